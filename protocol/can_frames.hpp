@@ -1,0 +1,90 @@
+// CAN frames of the arm ↔ structs, without I/O: CiA 301/402 as in controller.md §4, all values little-endian.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace armsight {
+
+/// A classic CAN 2.0 data frame with an 11-bit identifier.
+struct CanFrame {
+  std::uint32_t id = 0;
+  std::uint8_t size = 0;  ///< 0 … 8
+  std::array<std::uint8_t, 8> data{};
+
+  friend bool operator==(const CanFrame&, const CanFrame&) = default;
+};
+
+inline constexpr std::uint8_t kControllerNode = 127;
+inline constexpr std::uint32_t kNmtId = 0x000, kSyncId = 0x080, kEmcyBase = 0x080, kTpdo1Base = 0x180,
+                               kRpdo1Base = 0x200, kSdoAnswerBase = 0x580, kSdoRequestBase = 0x600,
+                               kHeartbeatBase = 0x700;
+
+enum class NmtCommand : std::uint8_t {
+  kStart = 0x01, kStop = 0x02, kPreOperational = 0x80, kResetNode = 0x81, kResetCommunication = 0x82
+};
+enum class NmtState : std::uint8_t { kBootUp = 0x00, kStopped = 0x04, kOperational = 0x05, kPreOperational = 0x7F };
+
+struct Nmt { NmtCommand command; std::uint8_t node; };            // node 0: all
+struct Sync { std::uint8_t counter; };                            // 1 … 10
+struct Emcy { std::uint16_t code; std::uint8_t error_register; }; // 0x080 + node
+struct Heartbeat { NmtState state; };                             // 0x700 + node
+struct Tpdo1 { std::uint16_t statusword; std::int32_t position_counts; std::int16_t torque; };       // 0x180 + node
+struct Rpdo1 { std::uint16_t controlword; std::int32_t target_counts; std::int16_t torque_offset; }; // 0x200 + node
+
+CanFrame encode(const Nmt& m);
+CanFrame encode(const Sync& m);
+CanFrame encode(const Emcy& m, std::uint8_t node);
+CanFrame encode(const Heartbeat& m, std::uint8_t node);
+CanFrame encode(const Tpdo1& m, std::uint8_t node);
+CanFrame encode(const Rpdo1& m, std::uint8_t node);
+
+/// nullopt: the identifier or the size does not fit.
+std::optional<Nmt> decode_nmt(const CanFrame& f);
+std::optional<Sync> decode_sync(const CanFrame& f);
+std::optional<Emcy> decode_emcy(const CanFrame& f, std::uint8_t node);
+std::optional<Heartbeat> decode_heartbeat(const CanFrame& f, std::uint8_t node);
+std::optional<Tpdo1> decode_tpdo1(const CanFrame& f, std::uint8_t node);
+std::optional<Rpdo1> decode_rpdo1(const CanFrame& f, std::uint8_t node);
+
+// SDO, expedited (controller.md §4.2).
+struct ObjectAddress {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  friend bool operator==(const ObjectAddress&, const ObjectAddress&) = default;
+};
+struct SdoRead { ObjectAddress object; };
+struct SdoWrite { ObjectAddress object; std::uint32_t value; std::uint8_t size; };  // size 1, 2 or 4 bytes
+struct SdoReadAnswer { ObjectAddress object; std::uint32_t value; std::uint8_t size; };
+struct SdoWriteAnswer { ObjectAddress object; };
+struct SdoAbort { ObjectAddress object; std::uint32_t code; };
+
+CanFrame encode(const SdoRead& m, std::uint8_t node);
+CanFrame encode(const SdoWrite& m, std::uint8_t node);
+CanFrame encode(const SdoReadAnswer& m, std::uint8_t node);
+CanFrame encode(const SdoWriteAnswer& m, std::uint8_t node);
+CanFrame encode_request_abort(const SdoAbort& m, std::uint8_t node);
+CanFrame encode_answer_abort(const SdoAbort& m, std::uint8_t node);
+std::optional<SdoRead> decode_sdo_read(const CanFrame& f, std::uint8_t node);
+std::optional<SdoWrite> decode_sdo_write(const CanFrame& f, std::uint8_t node);
+std::optional<SdoReadAnswer> decode_sdo_read_answer(const CanFrame& f, std::uint8_t node);
+std::optional<SdoWriteAnswer> decode_sdo_write_answer(const CanFrame& f, std::uint8_t node);
+std::optional<SdoAbort> decode_sdo_answer_abort(const CanFrame& f, std::uint8_t node);
+const char* sdo_abort_text(std::uint32_t code);
+
+// CiA 402.
+enum class DriveState : std::uint8_t {
+  kNotReady, kSwitchOnDisabled, kReadyToSwitchOn, kSwitchedOn, kOperationEnabled, kQuickStopActive, kFaultReaction,
+  kFault, kUnknown
+};
+DriveState drive_state(std::uint16_t statusword);
+const char* to_text(DriveState state);
+inline constexpr std::uint16_t kShutdown = 0x06, kSwitchOn = 0x07, kEnableOperation = 0x0F, kQuickStop = 0x02,
+                               kDisableVoltage = 0x00, kFaultReset = 0x80;
+
+/// Worst-case bits on the wire of a frame with `size` data bytes, stuffing included (controller.md §3.2).
+constexpr int worst_case_bits(int size) { return 8 * size + 47 + (34 + 8 * size - 1) / 4; }
+
+}  // namespace armsight

@@ -1,0 +1,30 @@
+// Which posture brings the hand there? Position exact, orientation as near as the joints allow, limits kept.
+// Damped least squares from several starts; the answer carries its own certificate, computed by forward kinematics.
+#pragma once
+
+#include <optional>
+
+#include "shared/kinematics.hpp"
+
+namespace armsight {
+
+struct IkOptions {
+  double position_tolerance_m = 1e-5;
+  double orientation_weight_m = 0.05;  ///< metres an orientation error of 1 rad weighs
+  int starts = 24;                     ///< first from `seed`, then a fixed low-discrepancy sequence
+  int iterations = 100;
+  double limit_margin_rad = 0.01;
+};
+
+struct IkSolution {
+  JointVector q;                    ///< real angles, inside the limits
+  double position_error_m = 0.0;    ///< certificate, from forward kinematics
+  double orientation_error_rad = 0.0;
+};
+
+/// Best posture for T_B_G: nullopt when no start reaches the position inside [min, max] (limits of real angles).
+/// Among the postures found: least orientation error, then nearest to `seed`. Deterministic.
+std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& min_rad, const JointVector& max_rad,
+                                   const Pose& T_B_G, const JointVector& seed, const IkOptions& options = {});
+
+}  // namespace armsight
