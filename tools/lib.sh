@@ -1,0 +1,87 @@
+# Shared by tools/setup, tools/demo and tools/test: packages, configure, build. Sourced, never run.
+
+repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+program=$(basename "$0")
+
+say() { printf '%s: %s\n' "$program" "$*"; }
+fail() { local code=$1; shift; printf '%s: %s\n' "$program" "$*" >&2; exit "$code"; }
+
+# wanted_packages SECTION...: the names of tools/apt-packages.txt in these sections that this machine should have.
+wanted_packages() {
+  local section line name condition command current=""
+  while IFS= read -r line; do
+    line=${line%%#*}
+    read -r name condition command <<<"$line"
+    [[ -z $name ]] && continue
+    if [[ $name == \[*\] ]]; then current=${name:1:-1}; continue; fi
+    for section in "$@"; do
+      [[ $section == "$current" ]] || continue
+      [[ $condition == if-no-command ]] && command -v "$command" >/dev/null && continue
+      printf '%s\n' "$name"
+    done
+  done <"$repository/tools/apt-packages.txt"
+}
+
+# missing_packages SECTION...: those of them that are not installed.
+missing_packages() {
+  local wanted
+  wanted=$(wanted_packages "$@")
+  # shellcheck disable=SC2086
+  comm -23 <(sort -u <<<"$wanted") \
+    <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' $wanted 2>/dev/null | sed -n 's/^ii *//p' | sort -u)
+}
+
+# ensure_packages SECTION...: installs what is missing; returns at once where nothing is.
+ensure_packages() {
+  command -v dpkg-query >/dev/null || fail 1 "this is no Debian system; install the packages of tools/apt-packages.txt by hand"
+  local missing
+  missing=$(missing_packages "$@" | tr '\n' ' ')
+  missing=${missing% }
+  [[ -z $missing ]] && return 0
+
+  local as_root=()
+  if [[ $(id -u) -ne 0 ]]; then
+    if command -v sudo >/dev/null; then
+      as_root=(sudo)
+    else
+      printf '%s: packages are missing; as root, run:\n' "$program" >&2
+      printf 'apt-get update && apt-get install -y --no-install-recommends %s\n' "$missing" >&2
+      exit 1
+    fi
+  fi
+  install_packages "$missing" "${as_root[@]}"
+}
+
+# install_packages "NAME NAME" [sudo]: one apt-get call, once more after a second update (a lock, a changed mirror).
+install_packages() {
+  local missing=$1; shift
+  local apt=("$@" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600)
+  say "installing: $missing"
+  local attempt
+  for attempt in 1 2; do
+    "${apt[@]}" -qq update || true
+    # shellcheck disable=SC2086
+    "${apt[@]}" --assume-no --no-install-recommends install $missing 2>/dev/null | grep -E '^(Need to get|After this)' || true
+    # shellcheck disable=SC2086
+    if "${apt[@]}" install -y --no-install-recommends $missing; then return 0; fi
+    [[ $attempt -eq 1 ]] && say "apt-get failed; trying once more"
+  done
+  fail 1 "apt-get could not install: $missing (see its lines above)"
+}
+
+# build PRESET [TARGET...]: configures and builds build/PRESET; without targets everything.
+build() {
+  local preset=$1; shift
+  local tree="$repository/build/$preset" launcher=()
+  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  mkdir -p "$tree"
+  if [[ ! -f $tree/build.ninja ]]; then
+    say "configuring build/$preset"
+    (cd "$repository" && cmake --preset "$preset" "${launcher[@]}") >"$tree/configure.log" 2>&1 ||
+      { tail -n 20 "$tree/configure.log" >&2; fail 1 "configuring failed; everything it said: build/$preset/configure.log"; }
+  fi
+  say "building build/$preset"
+  local targets=()
+  [[ $# -gt 0 ]] && targets=(--target "$@")
+  cmake --build "$tree" "${targets[@]}" || fail 1 "the build of build/$preset failed (the compiler's lines stand above)"
+}
