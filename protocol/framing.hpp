@@ -2,6 +2,7 @@
 // The length is checked before anything is stored, so a peer cannot make us allocate (controller.md §8.3).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -39,9 +40,14 @@ class FrameDecoder {
   int peer_major() const { return peer_major_; }  ///< of the last header seen
 
  private:
+  FrameError check_header();
+
   FrameType expected_type_;
   std::size_t max_payload_;
-  std::string buffer_;
+  std::array<char, kFrameHeaderSize> header_{};
+  std::size_t header_filled_ = 0;
+  std::size_t payload_size_ = 0;  ///< as the complete header says
+  std::string payload_;
   FrameError error_ = FrameError::kNone;
   int peer_major_ = kProtocolMajor;
 };
