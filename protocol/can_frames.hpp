@@ -28,26 +28,26 @@ enum class NmtCommand : std::uint8_t {
 enum class NmtState : std::uint8_t { kBootUp = 0x00, kStopped = 0x04, kOperational = 0x05, kPreOperational = 0x7F };
 
 struct Nmt { NmtCommand command; std::uint8_t node; };            // node 0: all
-struct Sync { std::uint8_t counter; };                            // 1 … 10
+struct Sync { std::uint8_t counter; };                            // 1 … 10; 0: a SYNC without the counter byte
 struct Emcy { std::uint16_t code; std::uint8_t error_register; }; // 0x080 + node
 struct Heartbeat { NmtState state; };                             // 0x700 + node
 struct Tpdo1 { std::uint16_t statusword; std::int32_t position_counts; std::int16_t torque; };       // 0x180 + node
 struct Rpdo1 { std::uint16_t controlword; std::int32_t target_counts; std::int16_t torque_offset; }; // 0x200 + node
 
-CanFrame encode(const Nmt& m);
-CanFrame encode(const Sync& m);
-CanFrame encode(const Emcy& m, std::uint8_t node);
-CanFrame encode(const Heartbeat& m, std::uint8_t node);
-CanFrame encode(const Tpdo1& m, std::uint8_t node);
-CanFrame encode(const Rpdo1& m, std::uint8_t node);
+CanFrame encode(const Nmt& m) noexcept;
+CanFrame encode(const Sync& m) noexcept;
+CanFrame encode(const Emcy& m, std::uint8_t node) noexcept;
+CanFrame encode(const Heartbeat& m, std::uint8_t node) noexcept;
+CanFrame encode(const Tpdo1& m, std::uint8_t node) noexcept;
+CanFrame encode(const Rpdo1& m, std::uint8_t node) noexcept;
 
-/// nullopt: the identifier or the size does not fit.
-std::optional<Nmt> decode_nmt(const CanFrame& f);
-std::optional<Sync> decode_sync(const CanFrame& f);
-std::optional<Emcy> decode_emcy(const CanFrame& f, std::uint8_t node);
-std::optional<Heartbeat> decode_heartbeat(const CanFrame& f, std::uint8_t node);
-std::optional<Tpdo1> decode_tpdo1(const CanFrame& f, std::uint8_t node);
-std::optional<Rpdo1> decode_rpdo1(const CanFrame& f, std::uint8_t node);
+/// nullopt: the identifier, the size, or a code that must be one of a list (NMT command, NMT state) does not fit.
+std::optional<Nmt> decode_nmt(const CanFrame& f) noexcept;
+std::optional<Sync> decode_sync(const CanFrame& f) noexcept;
+std::optional<Emcy> decode_emcy(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<Heartbeat> decode_heartbeat(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<Tpdo1> decode_tpdo1(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<Rpdo1> decode_rpdo1(const CanFrame& f, std::uint8_t node) noexcept;
 
 // SDO, expedited (controller.md §4.2).
 struct ObjectAddress {
@@ -56,35 +56,37 @@ struct ObjectAddress {
   friend bool operator==(const ObjectAddress&, const ObjectAddress&) = default;
 };
 struct SdoRead { ObjectAddress object; };
-struct SdoWrite { ObjectAddress object; std::uint32_t value; std::uint8_t size; };  // size 1, 2 or 4 bytes
+struct SdoWrite { ObjectAddress object; std::uint32_t value; std::uint8_t size; };  // size 1 … 4 bytes
 struct SdoReadAnswer { ObjectAddress object; std::uint32_t value; std::uint8_t size; };
 struct SdoWriteAnswer { ObjectAddress object; };
 struct SdoAbort { ObjectAddress object; std::uint32_t code; };
 
-CanFrame encode(const SdoRead& m, std::uint8_t node);
-CanFrame encode(const SdoWrite& m, std::uint8_t node);
-CanFrame encode(const SdoReadAnswer& m, std::uint8_t node);
-CanFrame encode(const SdoWriteAnswer& m, std::uint8_t node);
-CanFrame encode_request_abort(const SdoAbort& m, std::uint8_t node);
-CanFrame encode_answer_abort(const SdoAbort& m, std::uint8_t node);
-std::optional<SdoRead> decode_sdo_read(const CanFrame& f, std::uint8_t node);
-std::optional<SdoWrite> decode_sdo_write(const CanFrame& f, std::uint8_t node);
-std::optional<SdoReadAnswer> decode_sdo_read_answer(const CanFrame& f, std::uint8_t node);
-std::optional<SdoWriteAnswer> decode_sdo_write_answer(const CanFrame& f, std::uint8_t node);
-std::optional<SdoAbort> decode_sdo_answer_abort(const CanFrame& f, std::uint8_t node);
-const char* sdo_abort_text(std::uint32_t code);
+CanFrame encode(const SdoRead& m, std::uint8_t node) noexcept;
+CanFrame encode(const SdoWrite& m, std::uint8_t node) noexcept;
+CanFrame encode(const SdoReadAnswer& m, std::uint8_t node) noexcept;
+CanFrame encode(const SdoWriteAnswer& m, std::uint8_t node) noexcept;
+CanFrame encode_request_abort(const SdoAbort& m, std::uint8_t node) noexcept;
+CanFrame encode_answer_abort(const SdoAbort& m, std::uint8_t node) noexcept;
+std::optional<SdoRead> decode_sdo_read(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<SdoWrite> decode_sdo_write(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<SdoReadAnswer> decode_sdo_read_answer(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<SdoWriteAnswer> decode_sdo_write_answer(const CanFrame& f, std::uint8_t node) noexcept;
+std::optional<SdoAbort> decode_sdo_answer_abort(const CanFrame& f, std::uint8_t node) noexcept;
+/// Meaning of an abort code of CiA 301; "unknown SDO abort code" for others.
+const char* sdo_abort_text(std::uint32_t code) noexcept;
 
 // CiA 402.
 enum class DriveState : std::uint8_t {
   kNotReady, kSwitchOnDisabled, kReadyToSwitchOn, kSwitchedOn, kOperationEnabled, kQuickStopActive, kFaultReaction,
   kFault, kUnknown
 };
-DriveState drive_state(std::uint16_t statusword);
-const char* to_text(DriveState state);
+/// State from the statusword: mask 0x4F for the states whose bit 5 is undefined, else 0x6F (controller.md §4.4).
+DriveState drive_state(std::uint16_t statusword) noexcept;
+const char* to_text(DriveState state) noexcept;
 inline constexpr std::uint16_t kShutdown = 0x06, kSwitchOn = 0x07, kEnableOperation = 0x0F, kQuickStop = 0x02,
                                kDisableVoltage = 0x00, kFaultReset = 0x80;
 
 /// Worst-case bits on the wire of a frame with `size` data bytes, stuffing included (controller.md §3.2).
-constexpr int worst_case_bits(int size) { return 8 * size + 47 + (34 + 8 * size - 1) / 4; }
+constexpr int worst_case_bits(int size) noexcept { return 8 * size + 47 + (34 + 8 * size - 1) / 4; }
 
 }  // namespace armsight
