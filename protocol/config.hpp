@@ -1,24 +1,21 @@
 // The robot file: strict YAML → plain structs. load() lists every violation at once as "file:line:column: key = value:
-// rule"; unknown and repeated keys are violations. YAML goes no further than config.cpp.
+// rule"; unknown and repeated keys are violations. YAML goes no further than strict_yaml.cpp.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <stdexcept>
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "protocol/config_error.hpp"
 #include "shared/arm_model.hpp"
 #include "shared/joint_offset_ekf.hpp"
 
 namespace armsight {
 
-/// Bad input from people; what() holds one violation a line. Caught once in main: exit code 2.
-class ConfigError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
+/// q = sign · 2π · counts / counts_per_turn + zero_rad.
 struct DriveConfig {
   std::uint8_t node = 0;
   double counts_per_turn = 0;
@@ -57,12 +54,17 @@ struct RobotConfig {
   Pose camera_hint_T_C_B;
   ControllerConfig controller;
   EkfOptions filter;
+  std::map<std::string, JointVector> postures;  ///< named, real angles, inside the limits
 };
 
 /// Throws ConfigError.
 RobotConfig load_robot(const std::filesystem::path& file);
+/// The same from text; `file_name` stands in the messages.
+RobotConfig parse_robot(std::string_view text, const std::string& file_name);
 
 /// What host and controller must agree on: geometry, limits, signs, zeros, marker mount. Not rates, not the hint.
+/// FNV-1a, 64 bit, over names and numbers in a fixed order, the numbers rounded to 1e-9 so that no machine's last bit
+/// of a sine counts.
 std::uint64_t model_hash(const RobotConfig& robot);
 
 }  // namespace armsight

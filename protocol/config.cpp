@@ -1,0 +1,185 @@
+#include "protocol/config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "protocol/config_values.hpp"
+
+namespace armsight {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+DhRow read_dh(const YamlValue& dh) {
+  const YamlValue a_m = dh.key("a_m"), alpha_rad = dh.key("alpha_rad");
+  DhRow row;
+  row.a_m = a_m.number(-1e6, 1e6);
+  row.alpha_rad = alpha_rad.number(-kPi - 1e-9, kPi + 1e-9);
+  row.d_m = dh.key("d_m").number(-2, 2);
+  row.theta_rad = dh.key("theta_rad").number(-2 * kPi, 2 * kPi);
+  // The thesis' table 7.1 prints alpha under the head a, and a under alpha.
+  const bool is_right_angle = std::abs(std::abs(row.a_m) - kPi / 2) < 1e-3;
+  if (is_right_angle) a_m.refuse("is a right angle, not a length: were a_m and alpha_rad swapped?");
+  else if (std::abs(row.a_m) > 1) a_m.refuse("must be between -1 and 1");
+  return row;
+}
+
+Pose read_link(const YamlValue& joint) {
+  const YamlValue dh = joint.optional_key("dh"), frame = joint.optional_key("frame");
+  if (dh.exists() == frame.exists()) {
+    joint.refuse("needs exactly one of dh and frame");
+    return {};
+  }
+  return dh.exists() ? dh_transform(read_dh(dh)) : read_frame(frame);
+}
+
+/// Node ids of joints and hand must differ; 127 is the controller's own.
+std::uint8_t read_node(const YamlValue& node, std::set<std::int64_t>& taken) {
+  const auto id = node.valid_integer(1, 126);
+  if (id && !taken.insert(*id).second) node.refuse("node id is already taken");
+  return static_cast<std::uint8_t>(id.value_or(0));
+}
+
+DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes) {
+  DriveConfig out;
+  out.node = read_node(drive.key("node"), nodes);
+  out.counts_per_turn = drive.key("counts_per_turn").positive(2147483647);
+  const YamlValue sign = drive.key("sign");
+  out.sign = static_cast<int>(sign.integer(-1, 1));
+  if (out.sign == 0) sign.refuse("must be 1 or -1");
+  out.zero_rad = drive.key("zero_rad").number(-2 * kPi, 2 * kPi);
+  return out;
+}
+
+void read_limits(const YamlValue& joint, Eigen::Index i, JointLimits& limits) {
+  const YamlValue min_rad = joint.key("min_rad");
+  limits.min_rad[i] = min_rad.number(-7, 7);
+  limits.max_rad[i] = joint.key("max_rad").number(-7, 7);
+  if (limits.min_rad[i] >= limits.max_rad[i]) min_rad.refuse("must be below max_rad");
+  limits.max_speed_rad_s[i] = joint.key("max_speed_rad_s").positive(20);
+  limits.max_acceleration_rad_s2[i] = joint.key("max_acceleration_rad_s2").positive(1000);
+  limits.max_jerk_rad_s3[i] = joint.key("max_jerk_rad_s3").positive(100000);
+}
+
+void read_joints(const YamlValue& root, std::set<std::int64_t>& nodes, RobotConfig& out) {
+  const std::vector<YamlValue> joints = root.key("joints").list(1, kMaxJoints);
+  const auto count = static_cast<Eigen::Index>(joints.size());
+  JointLimits& limits = out.arm.limits;
+  for (JointVector* v : {&limits.min_rad, &limits.max_rad, &limits.max_speed_rad_s, &limits.max_acceleration_rad_s2,
+                         &limits.max_jerk_rad_s3})
+    v->setZero(count);
+  out.arm.chain.joint_count = static_cast<int>(count);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const YamlValue name = joints[i].key("name");
+    out.joint_names.push_back(name.text());
+    const auto last = out.joint_names.end() - 1;
+    if (std::find(out.joint_names.begin(), last, *last) != last) name.refuse("name is already taken");
+    out.arm.chain.T_after[i] = read_link(joints[i]);
+    read_limits(joints[i], static_cast<Eigen::Index>(i), limits);
+    out.drives.push_back(read_drive(joints[i].key("drive"), nodes));
+  }
+}
+
+HandConfig read_hand(const YamlValue& hand, std::set<std::int64_t>& nodes) {
+  HandConfig out;
+  out.node = read_node(hand.key("node"), nodes);
+  out.open_counts = static_cast<int>(hand.key("open_counts").integer(-2147483647, 2147483647));
+  const YamlValue closed = hand.key("closed_counts");
+  out.closed_counts = static_cast<int>(closed.integer(-2147483647, 2147483647));
+  if (closed.exists() && out.closed_counts == out.open_counts) closed.refuse("must differ from open_counts");
+  return out;
+}
+
+MarkerConfig read_marker(const YamlValue& marker) {
+  MarkerConfig out;
+  const YamlValue dictionary = marker.key("dictionary"), id = marker.key("id");
+  out.dictionary = dictionary.text();
+  const int size = marker_dictionary_size(out.dictionary);
+  if (size == 0) dictionary.refuse("is no ArUco dictionary such as DICT_4X4_50");
+  out.id = static_cast<int>(id.integer(0, 1023));
+  if (size != 0 && out.id >= size) id.refuse("the dictionary has " + std::to_string(size) + " markers, from 0");
+  out.side_m = marker.key("side_m").positive(1);
+  return out;
+}
+
+ControllerConfig read_controller(const YamlValue& c) {
+  ControllerConfig out{};
+  out.period_s = c.key("period_s").number(0.001, 0.1);
+  out.bus_bitrate_bit_s = c.key("bus_bitrate_bit_s").number(10000, 1000000);
+  out.still_speed_rad_s = c.key("still_speed_rad_s").positive(1);
+  out.still_time_s = c.key("still_time_s").positive(10);
+  out.goal_tolerance_rad = c.key("goal_tolerance_rad").positive(0.1);
+  out.lease_s = c.key("lease_s").number(0.02, 1);  // controller.md §11.1
+  const YamlValue deadline = c.key("rpdo_deadline_s");
+  out.rpdo_deadline_s = deadline.positive(1);
+  if (out.rpdo_deadline_s < 2 * out.period_s) deadline.refuse("must be at least two periods: one lost frame is no fault");
+  out.heartbeat_s = c.key("heartbeat_s").number(0.02, 5);
+  out.look_time_bound_s = c.key("look_time_bound_s").positive(1);
+  out.look_max_speed_rad_s = c.key("look_max_speed_rad_s").positive(20);
+  return out;
+}
+
+EkfOptions read_filter(const YamlValue& f) {
+  EkfOptions out;
+  out.prior_position_sigma_m = f.key("prior_position_sigma_m").positive(10);
+  out.prior_rotation_sigma_rad = f.key("prior_rotation_sigma_rad").positive(kPi);
+  out.prior_beta_sigma_rad = f.key("prior_beta_sigma_rad").positive(kPi);
+  out.prior_beta1_sigma_rad = f.key("prior_beta1_sigma_rad").positive(kPi);
+  out.encoder_sigma_rad = f.key("encoder_sigma_rad").positive(1);
+  out.floor_position_sigma_m = f.key("floor_position_sigma_m").positive(1);
+  out.floor_rotation_sigma_rad = f.key("floor_rotation_sigma_rad").positive(kPi);
+  out.cost_gate = f.key("cost_gate").positive(1000);
+  if (const YamlValue v = f.optional_key("max_iterations"); v.exists())
+    out.max_iterations = static_cast<int>(v.integer(1, 50));
+  const auto optional = [&](const char* key, double& value, double max) {
+    if (const YamlValue v = f.optional_key(key); v.exists()) value = v.number(0, max);
+  };
+  optional("walk_position_m_per_sqrt_min", out.walk_position_m_per_sqrt_min, 1);
+  optional("walk_rotation_rad_per_sqrt_min", out.walk_rotation_rad_per_sqrt_min, 1);
+  optional("walk_beta_rad_per_sqrt_min", out.walk_beta_rad_per_sqrt_min, 1);
+  return out;
+}
+
+void read_postures(const YamlValue& postures, RobotConfig& out) {
+  const auto count = static_cast<std::size_t>(out.arm.joint_count());
+  for (const auto& [name, value] : postures.entries()) {
+    const std::vector<YamlValue> angles = value.list(count, count);
+    JointVector q = JointVector::Zero(static_cast<Eigen::Index>(count));
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+      const auto joint = static_cast<Eigen::Index>(i);
+      q[joint] = angles[i].number(out.arm.limits.min_rad[joint], out.arm.limits.max_rad[joint]);
+    }
+    out.postures.emplace(name, q);
+  }
+}
+
+}  // namespace
+
+RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
+  const StrictYaml yaml = StrictYaml::parse(text, file_name);
+  const YamlValue root = yaml.root();
+  RobotConfig out;
+  std::set<std::int64_t> nodes;
+  out.robot = root.key("robot").text();
+  out.gravity_m_s2 = read_vector(root.key("gravity_m_s2"), 20);
+  if (const YamlValue base = root.optional_key("base_to_joint1"); base.exists())
+    out.arm.chain.T_B_0 = read_frame(base);
+  read_joints(root, nodes, out);
+  out.hand = read_hand(root.key("hand"), nodes);
+  const YamlValue marker = root.key("hand_marker");
+  out.hand_marker = read_marker(marker);
+  out.arm.T_H_M = read_pose(marker);
+  out.camera_hint_T_C_B = read_pose(root.key("camera_hint"));
+  out.controller = read_controller(root.key("controller"));
+  out.filter = read_filter(root.key("filter"));
+  if (const YamlValue postures = root.optional_key("postures"); postures.exists()) read_postures(postures, out);
+  yaml.finish();
+  return out;
+}
+
+RobotConfig load_robot(const std::filesystem::path& file) { return parse_robot(read_text_file(file), file.string()); }
+
+}  // namespace armsight
