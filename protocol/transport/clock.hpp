@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +26,16 @@ struct ChannelKey {
 class ClockLost : public std::exception {
  public:
   const char* what() const noexcept override { return "the simulated clock is gone"; }
+};
+
+/// Something with unsent bytes. Whoever waits in lockstep keeps all flows of its clock moving, or two programs that
+/// wait for each other's bytes would wait for ever.
+class Flow {
+ public:
+  virtual ~Flow() = default;
+  virtual int flow_descriptor() const = 0;
+  virtual bool has_unsent() const = 0;
+  virtual void send_more() = 0;
 };
 
 class Clock {
@@ -49,12 +60,18 @@ class Clock {
   /// Ids for the Hello messages; 0 without a simulated clock.
   virtual std::uint32_t participant() const = 0;
   virtual std::uint32_t arm_controller() const = 0;
+
+  virtual void add_flow(Flow*) {}
+  virtual void remove_flow(Flow*) {}
+  virtual std::span<Flow* const> flows() const { return {}; }
 };
 
 /// The machine's own: CLOCK_MONOTONIC minus the time of the call, absolute clock_nanosleep.
 std::unique_ptr<Clock> make_monotonic_clock(Duration period);
 /// A participant of arm_sim's clock at an AF_UNIX path, in the pace arm_sim announces. Throws std::runtime_error with
 /// the reason when nobody listens there. role: 1 arm controller, 2 host, 3 conductor (protocol/sim_clock.proto).
+/// In lockstep it returns inside the first granted cycle, whose period is arm_sim's; an arm controller that wants
+/// another is refused.
 std::unique_ptr<Clock> join_sim_clock(const std::string& path, const std::string& name, int role, Duration period);
 
 }  // namespace armsight::net
