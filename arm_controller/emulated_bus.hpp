@@ -1,0 +1,30 @@
+// The emulated CAN bus of arm_sim as seen by a program on it (wire: emulated_bus_wire.hpp).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "arm_controller/can_bus.hpp"
+#include "protocol/transport/clock.hpp"
+
+namespace armsight::arm {
+
+/// Throws std::runtime_error "emulated bus PATH: reason". The clock must outlive the bus.
+std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& clock);
+/// A listener: sees every frame with the bus' own time, sends nothing.
+class BusObserver {
+ public:
+  explicit BusObserver(const std::string& path);
+  ~BusObserver();
+  BusObserver(const BusObserver&) = delete;
+  BusObserver& operator=(const BusObserver&) = delete;
+  /// Waits for the next frame; false: none within the timeout, or the bus is gone.
+  bool receive(BusFrame& frame, Duration timeout);
+  bool is_open() const { return is_open_; }
+
+ private:
+  int descriptor_;
+  bool is_open_ = true;
+};
+
+}  // namespace armsight::arm
