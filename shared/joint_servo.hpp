@@ -27,6 +27,8 @@ class JointServo {
   bool is_at_rest() const;
 
  private:
+  void move_joint(Eigen::Index i, double wanted_rad_s, double dt_s);
+
   JointLimits limits_;
   JointSetpoint setpoint_;
 };
