@@ -60,6 +60,28 @@ void tune(Parameters& parameters) {
   parameters.cornerRefinementMethod = static_cast<decltype(parameters.cornerRefinementMethod)>(0);  // ours follows
 }
 
+bool is_same_place(const MarkerDetection& a, const MarkerDetection& b) {
+  const auto centre = [](const MarkerDetection& m) {
+    return 0.25 * (m.corners_px[0] + m.corners_px[1] + m.corners_px[2] + m.corners_px[3]);
+  };
+  const cv::Point2d off = centre(a) - centre(b), side = a.corners_px[1] - a.corners_px[0];
+  return off.dot(off) < 0.25 * side.dot(side);
+}
+
+/// A plate's outline around a marker is read as the same marker: what has a clean outline of its own stays.
+void drop_doubles(std::vector<MarkerDetection>& found) {
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return (a.edge_rms_px > 0.0) > (b.edge_rms_px > 0.0); });
+  std::vector<MarkerDetection> kept;
+  for (const MarkerDetection& marker : found) {
+    const bool is_double = std::any_of(kept.begin(), kept.end(), [&](const MarkerDetection& other) {
+      return other.id == marker.id && is_same_place(other, marker);
+    });
+    if (!is_double) kept.push_back(marker);
+  }
+  found = std::move(kept);
+}
+
 }  // namespace
 
 struct MarkerDetector::Impl {
@@ -123,6 +145,7 @@ std::vector<MarkerDetection> MarkerDetector::detect(const cv::Mat& image, const 
     }
     found.push_back(marker);
   }
+  drop_doubles(found);
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return found;
 }
