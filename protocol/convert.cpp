@@ -40,15 +40,6 @@ void to_wire(const Pose& T, wire::Pose* out) {
   out->set_qz(quat.z());
 }
 
-void to_wire(const JointVector& q, google::protobuf::RepeatedField<double>* out) { out->Assign(q.begin(), q.end()); }
-
-void to_wire(const Eigen::Ref<const Eigen::MatrixXd>& P, google::protobuf::RepeatedField<double>* out) {
-  out->Clear();
-  out->Reserve(static_cast<int>(P.size()));
-  for (Eigen::Index row = 0; row < P.rows(); ++row)
-    for (Eigen::Index column = 0; column < P.cols(); ++column) out->Add(P(row, column));
-}
-
 std::optional<Refused> from_wire(const wire::Pose& in, const char* field, Pose& out) {
   const Vector3 p_m(in.x_m(), in.y_m(), in.z_m());
   const Eigen::Quaterniond quat(in.qw(), in.qx(), in.qy(), in.qz());

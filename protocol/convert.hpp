@@ -19,8 +19,14 @@ struct Refused {
 };
 
 void to_wire(const Pose& T, wire::Pose* out);
-void to_wire(const JointVector& q, google::protobuf::RepeatedField<double>* out);
-void to_wire(const Eigen::Ref<const Eigen::MatrixXd>& P, google::protobuf::RepeatedField<double>* out);
+/// Vectors, and matrices row by row.
+template <typename Derived>
+void to_wire(const Eigen::MatrixBase<Derived>& values, google::protobuf::RepeatedField<double>* out) {
+  out->Clear();
+  out->Reserve(static_cast<int>(values.size()));
+  for (Eigen::Index row = 0; row < values.rows(); ++row)
+    for (Eigen::Index column = 0; column < values.cols(); ++column) out->Add(values.derived().coeff(row, column));
+}
 
 /// nullopt: taken, `out` is set. Otherwise `out` is untouched.
 [[nodiscard]] std::optional<Refused> from_wire(const wire::Pose& in, const char* field, Pose& out);

@@ -1,6 +1,7 @@
 // Typed answers from the tree, each with its rule.
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "protocol/strict_yaml_tree.hpp"
@@ -14,7 +15,8 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 std::string to_text(double value) {
   char raw[32];
-  return {raw, std::to_chars(raw, raw + sizeof raw, value).ptr};
+  std::snprintf(raw, sizeof raw, "%.12g", value);
+  return raw;
 }
 
 template <typename T>

@@ -112,6 +112,7 @@ void SocketStream::close(const std::string& reason) {
   close_reason_ = reason;
   asio::error_code ignored;  // the peer may be gone already: closing is all that is wanted
   socket_.close(ignored);
+  descriptor_ = -1;  // the number may be another's soon; poll(2) skips -1
 }
 
 }  // namespace armsight::net

@@ -1,3 +1,4 @@
+// ppoll(2) is Linux' own: poll(2) in nanoseconds.
 #include "protocol/transport/wait.hpp"
 
 #include <poll.h>
@@ -5,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <limits>
 #include <vector>
 
 #include "protocol/transport/framed_stream.hpp"
@@ -15,12 +15,6 @@ namespace armsight::net {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-
-/// Milliseconds for poll(2), rounded up so that a short wait is not a busy loop.
-int poll_timeout_ms(std::int64_t remaining_ns) {
-  const std::int64_t ms = (remaining_ns + 999'999) / 1'000'000;
-  return static_cast<int>(std::clamp<std::int64_t>(ms, 0, std::numeric_limits<int>::max()));
-}
 
 std::vector<pollfd> to_poll(std::span<const int> descriptors, Clock* clock, std::vector<Flow*>& flowing) {
   std::vector<pollfd> entries;
@@ -54,8 +48,9 @@ bool wait_and_flow(std::span<const int> descriptors, Duration timeout, Clock* cl
   while (true) {
     std::vector<Flow*> flowing;
     std::vector<pollfd> entries = to_poll(descriptors, clock, flowing);
-    const int limit_ms = has_limit ? poll_timeout_ms(deadline_ns - monotonic_ns()) : -1;
-    const int ready = ::poll(entries.data(), entries.size(), limit_ms);
+    const std::int64_t remaining_ns = std::max<std::int64_t>(0, deadline_ns - monotonic_ns());
+    const timespec limit{remaining_ns / kSecond_ns, remaining_ns % kSecond_ns};
+    const int ready = ::ppoll(entries.data(), entries.size(), has_limit ? &limit : nullptr, nullptr);
     if (ready < 0 && errno != EINTR) return false;
     for (std::size_t i = 0; ready > 0 && i < flowing.size(); ++i)
       if (entries[descriptors.size() + i].revents != 0) flowing[i]->send_more();
