@@ -1,0 +1,98 @@
+// demo_run: the whole job on the simulated robot, with the very programs a user deploys, and its report.
+// Started by the script tools/demo, which installs and builds first.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+
+#include "tools/report/demo_session.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace armsight::demo;
+
+void interrupt(int) { Conductor::is_interrupted = 1; }
+
+void add_options(CLI::App& app, DemoOptions& options) {
+  options.home = fs::current_path();
+  app.add_option("--seed", options.seed, "which robot, camera mount and noise")->capture_default_str();
+  app.add_option("--report", options.report_dir, "folder for report.html and report.json (default HOME/out/demo)");
+  app.add_option("--robot", options.robot_file, "robot file (default HOME/tools/experiments/demo_robot.yaml)");
+  app.add_option("--noise", options.noise, "noise set")->check(CLI::IsMember({"clean", "nominal", "hard"}))->capture_default_str();
+  app.add_option("--can", options.can_interface, "CAN interface instead of the emulated bus; implies --pace real");
+  app.add_option("--pace", options.pace, "pace")->check(CLI::IsMember({"lockstep", "real"}))->capture_default_str();
+  app.add_option("--home", options.home, "folder of the repository")->check(CLI::ExistingDirectory);
+}
+
+void complete(DemoOptions& options) {
+  options.home = fs::absolute(options.home);
+  options.programs = fs::read_symlink("/proc/self/exe").parent_path();
+  if (options.report_dir.empty()) options.report_dir = options.home / "out/demo";
+  if (options.robot_file.empty()) options.robot_file = options.home / "tools/experiments/demo_robot.yaml";
+  options.report_dir = fs::absolute(options.report_dir);
+  options.robot_file = fs::absolute(options.robot_file);
+  if (!options.can_interface.empty()) options.pace = "real";
+}
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  if (!out.flush()) throw RunFailed(file.string() + ": cannot be written", 1);
+}
+
+double median_mm(const std::vector<CommandedPose>& poses) {
+  std::vector<double> values;
+  for (const CommandedPose& p : poses) values.push_back(p.model_error.mm);
+  return median(values);
+}
+
+int conclude(const Report& r, const DemoOptions& options) {
+  write(options.report_dir / "report.json", to_json(r));
+  write(options.report_dir / "report.html", to_html(r));
+  std::printf("demo: Learn: held-out hand pose error %.2f mm, %.2f deg RMS\n", r.heldout.rms_mm, r.heldout.rms_deg);
+  std::printf("demo: Adapt: commanded poses %.2f mm without, %.2f mm with filter (median)\n", median_mm(r.without_filter), median_mm(r.with_filter));
+  for (const auto& [name, result, g] : {std::tuple{"without", &r.grasp_without, &r.without_grasp}, {"with", &r.grasp_with, &r.with_grasp}}) {
+    std::printf("demo: Act: grasp %s filter: %s", name, g->is_success ? "held" : "not held");
+    if (g->was_closed) std::printf(" (%.2f mm, %.2f deg)", g->error.mm, g->error.deg);
+    std::printf("%s%s\n", result->why.empty() ? "" : ": ", result->why.c_str());
+  }
+  std::printf("demo: report: %s\n", (options.report_dir / "report.html").c_str());
+  if (!r.with_grasp.is_success) {
+    std::fprintf(stderr, "demo: the grasp with filter did not succeed\n");
+    return 1;
+  }
+  return 0;
+}
+
+int fail(int code, const std::string& text) {
+  std::fprintf(stderr, "demo: %s\n", text.c_str());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  DemoOptions options;
+  CLI::App app("The whole job on the simulated robot: calibrate, drift, adapt, grasp; writes a report.", "demo_run");
+  add_options(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  complete(options);
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  return conclude(run_demo(options), options);
+} catch (const armsight::ConfigError& e) {
+  return fail(2, e.what());
+} catch (const ProgramLost& e) {
+  return fail(3, e.what());
+} catch (const RunFailed& e) {
+  return fail(e.exit_code, e.what());
+} catch (const Interrupted&) {
+  return fail(1, "interrupted; all programs were ended");
+} catch (const std::exception& e) {
+  return fail(1, e.what());
+}

@@ -1,0 +1,57 @@
+// One run of the whole job: starts the programs a user would deploy, calls the host's verbs in the order of chapter 8,
+// and gathers what they left for the report.
+#pragma once
+
+#include "tools/report/conductor.hpp"
+#include "tools/report/report.hpp"
+
+namespace armsight::demo {
+
+struct DemoOptions {
+  std::filesystem::path home;        ///< the repository: configuration files
+  std::filesystem::path programs;    ///< folder of arm_sim, arm_controller, host
+  std::filesystem::path report_dir, robot_file;
+  std::uint64_t seed = 1;
+  std::string noise = "nominal", pace = "lockstep", can_interface;
+};
+
+/// A verb failed: exit code 1, or the verb's own.
+class RunFailed : public std::runtime_error {
+ public:
+  RunFailed(const std::string& what, int code) : std::runtime_error(what), exit_code(code) {}
+  int exit_code;
+};
+
+/// The simulated robot and its controller, running; a folder of sockets that is gone afterwards.
+class RunningArm {
+ public:
+  /// `run_dir` keeps states, recordings and logs.
+  RunningArm(const DemoOptions& options, const std::filesystem::path& run_dir, bool is_verbose);
+  ~RunningArm();
+
+  /// host VERB …; its exit code.
+  int host(const std::vector<std::string>& verb);
+  std::vector<std::string> host_command(const std::vector<std::string>& verb) const;
+  Conductor& conductor() { return conductor_; }
+  /// Ends the controller, asks for the truth.
+  Truth finish();
+  const std::filesystem::path& run_dir() const { return run_dir_; }
+  const std::string& bus_line() const { return bus_line_; }
+  const std::vector<std::string>& commands() const { return commands_; }
+  /// Every line the host printed in its last verb.
+  const std::vector<std::string>& host_lines() const { return host_lines_; }
+
+ private:
+  std::string server(const std::string& name, std::vector<std::string> arguments, const std::string& ready_prefix);
+
+  DemoOptions options_;
+  std::filesystem::path run_dir_, sockets_;
+  Conductor conductor_;
+  std::string camera_, link_, bus_line_;
+  std::vector<std::string> commands_, host_lines_;
+};
+
+/// The whole job; fills everything but files to write. Throws RunFailed, ProgramLost, Interrupted, ConfigError.
+Report run_demo(const DemoOptions& options);
+
+}  // namespace armsight::demo

@@ -1,0 +1,99 @@
+#include <stdlib.h>
+
+#include <fstream>
+
+#include "tools/report/demo_session.hpp"
+
+namespace armsight::demo {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path make_socket_folder() {
+  std::string path = (fs::temp_directory_path() / "armsight-XXXXXX").string();
+  if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
+  return path;
+}
+
+/// Only a folder that an earlier run made is emptied.
+void prepare_run_folder(const fs::path& run_dir) {
+  const fs::path mark = run_dir / "made-by-armsight-demo";
+  if (fs::exists(run_dir) && !fs::exists(mark)) {
+    throw ConfigError(run_dir.string() + ": exists and was not made by an earlier demo: choose another --report");
+  }
+  fs::remove_all(run_dir);
+  for (const char* folder : {"sim", "controller", "host", "results"}) fs::create_directories(run_dir / folder);
+  std::ofstream(mark) << "tools/demo empties this folder when it runs again.\n";
+}
+
+fs::path prepared(const fs::path& run_dir) {
+  try {
+    prepare_run_folder(run_dir);
+  } catch (const fs::filesystem_error& e) {
+    throw ConfigError(run_dir.string() + ": cannot be made: " + e.code().message());
+  }
+  return run_dir;
+}
+
+}  // namespace
+
+RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool is_verbose)
+    : options_(options),
+      run_dir_(prepared(fs::absolute(run_dir))),
+      sockets_(make_socket_folder()),
+      conductor_(run_dir_ / "programs.log", is_verbose) {
+  const std::string clock = (sockets_ / "clock").string(), robot = options_.robot_file.string();
+  std::vector<std::string> bus{"--bus", "emulated:" + (sockets_ / "bus").string()};
+  if (!options_.can_interface.empty()) bus = {"--can", options_.can_interface};
+
+  std::vector<std::string> sim{"--robot", robot, "--scene", (options_.home / "tools/sim/scene.yaml").string(),
+                               "--seed", std::to_string(options_.seed), "--noise", options_.noise, "--pace", options_.pace,
+                               "--clock", clock, "--camera", "127.0.0.1:0", "--log", (run_dir_ / "sim/bus.log").string()};
+  sim.insert(sim.end(), bus.begin(), bus.end());
+  server("arm_sim", sim, "arm_sim: ready");
+  camera_ = conductor_.find("arm_sim")->line_after("arm_sim: camera ").value_or("");
+  conductor_.join_clock(clock);
+
+  std::vector<std::string> controller{"--config", robot, "--listen", "127.0.0.1:0", "--state", (run_dir_ / "controller").string()};
+  if (options_.can_interface.empty()) controller.insert(controller.end(), {"--clock", "sim:" + clock});
+  controller.insert(controller.end(), bus.begin(), bus.end());
+  link_ = server("arm_controller", controller, "arm_controller: listening on ");
+  bus_line_ = conductor_.find("arm_controller")->line_after("arm_controller: bus ").value_or("");
+}
+
+RunningArm::~RunningArm() {
+  std::error_code ignored;
+  fs::remove_all(sockets_, ignored);
+}
+
+std::string RunningArm::server(const std::string& name, std::vector<std::string> arguments, const std::string& ready_prefix) {
+  arguments.insert(arguments.begin(), (options_.programs / name).string());
+  const std::string rest = conductor_.start_server(name, arguments, ready_prefix);
+  commands_.push_back(conductor_.find(name)->command_line());
+  return rest;
+}
+
+std::vector<std::string> RunningArm::host_command(const std::vector<std::string>& verb) const {
+  std::vector<std::string> command{(options_.programs / "host").string(), "--arm", link_, "--state", (run_dir_ / "host").string(),
+                                   "--robot", options_.robot_file.string(), "--camera", "sim:" + camera_, "--clock",
+                                   "sim:" + (sockets_ / "clock").string()};
+  command.insert(command.end(), verb.begin(), verb.end());
+  return command;
+}
+
+int RunningArm::host(const std::vector<std::string>& verb) {
+  const std::vector<std::string> command = host_command(verb);
+  std::string line;
+  for (const std::string& word : command) line += (line.empty() ? "" : " ") + word;
+  commands_.push_back(line);
+  return conductor_.run("host", command, &host_lines_);
+}
+
+Truth RunningArm::finish() {
+  const fs::path file = run_dir_ / "sim/truth.json";
+  conductor_.finish(file);
+  return load_truth(file);
+}
+
+}  // namespace armsight::demo
