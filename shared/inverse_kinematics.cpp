@@ -1,6 +1,5 @@
 #include "shared/inverse_kinematics.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,12 +10,13 @@
 namespace armsight {
 namespace {
 
-/// Orientation weight of the second stage: the position error it leaves is (weight)² · rad/m, below a micrometre.
-constexpr double kPriorityWeight_m = 1e-3;
-constexpr int kPolishSteps = 8;
-constexpr double kNegligibleStep_rad = 1e-9;
-/// Gain below which the two stages stop; the first need only tell the basins apart.
-constexpr double kRoughStall = 1e-4, kFineStall = 1e-9;
+/// 1/m²: how much more a metre of position weighs than a radian in a step along the postures of one position.
+constexpr double kPositionPriority = 1e6;
+constexpr int kRestoringSteps = 8;
+constexpr double kExact_m = 1e-12;
+constexpr double kNegligibleStep_rad = 1e-9, kNegligibleGain_rad = 1e-7;
+/// Relative gain below which the first stage stops: it need only tell the basins apart.
+constexpr double kStall = 1e-4;
 /// A basin this much worse in orientation after the first stage than the best posture so far is not refined.
 constexpr double kHopeless_rad = 0.3;
 /// After so many equally good postures the nearest is chosen; an exact one cannot be bettered, a residual might be.
@@ -45,76 +45,62 @@ double cost_of(const Vector6& e, double weight_m) {
   return e.head<3>().squaredNorm() + weight_m * weight_m * e.tail<3>().squaredNorm();
 }
 
-bool leaves(const Task& task, const JointVector& q, const JointVector& d, Eigen::Index i) {
-  return (q[i] <= task.min[i] && d[i] < 0.0) || (q[i] >= task.max[i] && d[i] > 0.0);
+/// The step d with N d = g as far as the limits let it.
+JointVector limited_step(const Task& task, const State& at, const JointMatrix& N, const JointVector& g) {
+  return solve_box_qp(N, g, task.min - at.q, task.max - at.q);
 }
 
-/// Takes joint i out of the equations N d = g.
-void hold(JointMatrix& N, JointVector& g, Eigen::Index i) {
-  N.row(i).setZero();
-  N.col(i).setZero();
-  N(i, i) = 1.0;
-  g[i] = 0.0;
-}
-
-/// Damped step that keeps joints at their limits from pushing outwards.
-JointVector limited_step(const Task& task, const State& at, JointMatrix N, JointVector g) {
-  JointVector d = g;
-  for (Eigen::Index round = 0; round <= g.size(); ++round) {
-    d = N.llt().solve(g);
-    bool is_inside = true;
-    for (Eigen::Index i = 0; i < g.size(); ++i) {
-      if (!leaves(task, at.q, d, i)) continue;
-      hold(N, g, i);
-      is_inside = false;
-    }
-    if (is_inside) break;
-  }
-  return (at.q + d).cwiseMax(task.min).cwiseMin(task.max) - at.q;
-}
-
-/// Levenberg-Marquardt within the limits on |e_P|² + weight²|e_O|², until a good step gains less than `stall` of it.
-State descend(const Task& task, State at, double weight_m, double stall, int iterations) {
-  double cost = cost_of(at.e, weight_m);
+/// Stage 1, Levenberg-Marquardt within the limits on |e_P|² + weight²|e_O|²: finds the basin.
+State approach(const Task& task, State at, double weight_m, int iterations) {
+  const double w2 = weight_m * weight_m;
   double damping = 1e-3;
   for (int k = 0; k < iterations && damping < 1e6; ++k) {
     const auto J_P = at.J.topRows<3>();
     const auto J_O = at.J.bottomRows<3>();
-    const double w2 = weight_m * weight_m;
     JointMatrix N = J_P.transpose() * J_P + w2 * (J_O.transpose() * J_O);
-    const JointVector g = J_P.transpose() * at.e.head<3>() + w2 * (J_O.transpose() * at.e.tail<3>());
     N.diagonal().array() += damping * N.trace() / static_cast<double>(N.rows()) + 1e-15;
+    const JointVector g = J_P.transpose() * at.e.head<3>() + w2 * (J_O.transpose() * at.e.tail<3>());
     const JointVector d = limited_step(task, at, N, g);
     const State next = evaluate(task, at.q + d);
-    const double next_cost = cost_of(next.e, weight_m);
-    const bool is_small = d.cwiseAbs().maxCoeff() < kNegligibleStep_rad;
-    if (next_cost < cost) {
-      const bool is_stalled = cost - next_cost < stall * cost && damping < 1e-2;
-      at = next;
-      cost = next_cost;
-      damping = std::max(1e-12, damping * 0.1);
-      if (is_stalled) break;
-    } else {
-      damping *= 4.0;
-    }
-    if (is_small) break;
+    const double gain = cost_of(at.e, weight_m) - cost_of(next.e, weight_m);
+    const bool is_settled = gain < kStall * cost_of(at.e, weight_m) && damping < 1e-2;
+    if (gain > 0.0) at = next;
+    if ((gain >= 0.0 && is_settled) || d.cwiseAbs().maxCoeff() < kNegligibleStep_rad) break;
+    damping = gain > 0.0 ? std::max(1e-12, damping * 0.1) : damping * 4.0;
   }
   return at;
 }
 
-/// Newton on the position alone, least motion, so that the certificate's position error is rounding.
-State polish_position(const Task& task, State at) {
-  for (int k = 0; k < kPolishSteps && at.e.head<3>().norm() > 1e-13; ++k) {
-    Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints> J_P = at.J.topRows<3>();
-    for (Eigen::Index i = 0; i < at.q.size(); ++i) {
-      if (at.q[i] <= task.min[i] || at.q[i] >= task.max[i]) J_P.col(i).setZero();
-    }
-    Matrix3 S = J_P * J_P.transpose();
-    S.diagonal().array() += 1e-12;
-    const JointVector d = J_P.transpose() * S.llt().solve(at.e.head<3>());
-    const State next = evaluate(task, (at.q + d).cwiseMax(task.min).cwiseMin(task.max));
+/// Newton on the position alone, least motion, within the limits.
+State restore_position(const Task& task, State at) {
+  for (int k = 0; k < kRestoringSteps && at.e.head<3>().norm() > kExact_m; ++k) {
+    JointMatrix N = at.J.topRows<3>().transpose() * at.J.topRows<3>();
+    N.diagonal().array() += 1e-10;
+    const JointVector g = at.J.topRows<3>().transpose() * at.e.head<3>();
+    const State next = evaluate(task, at.q + limited_step(task, at, N, g));
     if (!(next.e.head<3>().norm() < at.e.head<3>().norm())) break;
     at = next;
+  }
+  return at;
+}
+
+/// Stage 2, position first: turns the hand along the postures that keep the position, to the least orientation error.
+State turn_in_place(const Task& task, State at, double tolerance_m, int iterations) {
+  double damping = 1e-4;
+  for (int k = 0; k < iterations && damping < 1e4; ++k) {
+    const auto J_P = at.J.topRows<3>();
+    const auto J_O = at.J.bottomRows<3>();
+    JointMatrix N = J_O.transpose() * J_O + kPositionPriority * (J_P.transpose() * J_P);
+    N.diagonal().array() += damping;
+    const JointVector d = limited_step(task, at, N, J_O.transpose() * at.e.tail<3>());
+    if (d.cwiseAbs().maxCoeff() < kNegligibleStep_rad) break;
+    const State next = restore_position(task, evaluate(task, at.q + d));
+    const double gain = at.e.tail<3>().norm() - next.e.tail<3>().norm();
+    const bool is_better = gain > 0.0 && next.e.head<3>().norm() <= tolerance_m;
+    damping = is_better ? std::max(1e-9, damping * 0.1) : damping * 4.0;
+    if (!is_better) continue;
+    at = next;
+    if (gain < kNegligibleGain_rad) break;
   }
   return at;
 }
@@ -163,13 +149,15 @@ std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& 
   std::vector<IkSolution> found;
   double least = std::numeric_limits<double>::infinity();
   int agreeing = 0;
-  for (int k = 0; k < std::max(1, options.starts); ++k) {
-    const JointVector start = k == 0 ? JointVector(seed.cwiseMax(task.min).cwiseMin(task.max)) : start_posture(task, k);
-    State at = descend(task, evaluate(task, start), options.orientation_weight_m, kRoughStall, options.iterations);
-    if (at.e.tail<3>().norm() > least + kHopeless_rad) continue;
-    at = polish_position(task, descend(task, at, kPriorityWeight_m, kFineStall, options.iterations));
+  for (int k = 0; k < 2 * std::max(1, options.starts); ++k) {
+    State at = evaluate(task, k < 2 ? JointVector(seed.cwiseMax(task.min).cwiseMin(task.max)) : start_posture(task, k / 2));
+    // Each start twice: position first, which keeps a folded elbow, and by the weighted way, which crosses more basins.
+    if (k % 2 == 1) at = approach(task, at, options.orientation_weight_m, options.iterations);
+    if (k % 2 == 1 && at.e.tail<3>().norm() > least + kHopeless_rad) continue;
+    at = restore_position(task, at);
+    if (!(at.e.head<3>().norm() <= options.position_tolerance_m)) continue;
+    at = turn_in_place(task, at, options.position_tolerance_m, options.iterations);
     const double position_error = at.e.head<3>().norm(), orientation_error = at.e.tail<3>().norm();
-    if (position_error > options.position_tolerance_m) continue;
     found.push_back({at.q, position_error, orientation_error});
     if (orientation_error < least - kSameOrientation_rad) agreeing = 0;
     if (orientation_error < least + kSameOrientation_rad) ++agreeing;

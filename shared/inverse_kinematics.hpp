@@ -11,7 +11,7 @@ namespace armsight {
 struct IkOptions {
   double position_tolerance_m = 1e-5;
   double orientation_weight_m = 0.05;  ///< metres an orientation error of 1 rad weighs
-  int starts = 64;                     ///< at most: first from `seed`, then a fixed low-discrepancy sequence
+  int starts = 48;                     ///< at most: first from `seed`, then a fixed low-discrepancy sequence
   int iterations = 100;
   double limit_margin_rad = 0.01;      ///< kept clear of both limits
 };

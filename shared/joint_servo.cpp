@@ -60,8 +60,7 @@ void JointServo::move_joint(Eigen::Index i, double wanted_rad_s, double dt_s) {
   const double V = limits_.max_speed_rad_s[i], A = limits_.max_acceleration_rad_s2[i];
   const double upper = std::min(V, approach_speed(limits_.max_rad[i] - q, v, A, dt_s));
   const double lower = -std::min(V, approach_speed(q - limits_.min_rad[i], -v, A, dt_s));
-  const double inside = std::clamp(wanted_rad_s, std::min(lower, upper), upper);
-  double next = std::clamp(inside, v - A * dt_s, v + A * dt_s);
+  const double next = std::clamp(std::clamp(wanted_rad_s, lower, upper), v - A * dt_s, v + A * dt_s);
   // A joint that starts outside its limits may come back but goes no further; rounding ends at the limit.
   const double q_next = std::clamp(q + 0.5 * (v + next) * dt_s, std::min(q, limits_.min_rad[i]),
                                    std::max(q, limits_.max_rad[i]));
@@ -79,7 +78,7 @@ const JointSetpoint& JointServo::step_towards(const JointVector& target_rad, dou
   const JointVector& acceleration = limits_.max_acceleration_rad_s2;
   const JointVector way = target - setpoint_.q_rad;
   const auto towards = [&](Eigen::Index i) { return std::copysign(1.0, way[i]) * setpoint_.speed_rad_s[i]; };
-  JointVector time(target.size());
+  JointVector time = JointVector::Zero(target.size());
   for (Eigen::Index i = 0; i < target.size(); ++i) {
     time[i] = least_time(std::abs(way[i]), towards(i), speed[i], acceleration[i]);
   }
