@@ -1,0 +1,187 @@
+#include "arm_controller/canopen_master.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace armsight::arm {
+namespace {
+
+constexpr Duration kOwnHeartbeatPeriod = std::chrono::milliseconds(100);
+constexpr int kFailedCyclesLimit = 3;
+constexpr double kFastestJoint_rad_s = 10.0;   ///< above the actuator's 6 rad/s (specification §4.4)
+constexpr double kEncoderNoise_rad = 0.01;
+constexpr double kBeyondLimits_rad = 0.35;     ///< a whole turn off is always farther than this
+
+double turn(const DriveConfig& drive) { return drive.sign * 2.0 * std::numbers::pi / drive.counts_per_turn; }
+
+NodeOptions node_options(const RobotConfig& robot, std::uint8_t node, double counts_per_turn) {
+  NodeOptions options;
+  options.script.node = node;
+  options.script.period_us = static_cast<std::uint32_t>(std::lround(1e6 * robot.controller.period_s));
+  options.script.rpdo_deadline_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.rpdo_deadline_s));
+  options.script.controller_heartbeat_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.heartbeat_s));
+  options.counts_per_turn = counts_per_turn;
+  return options;
+}
+
+}  // namespace
+
+CanopenMaster::CanopenMaster(const RobotConfig& robot)
+    : limits_(robot.arm.limits), hand_(robot.hand), period_s_(robot.controller.period_s),
+      joint_count_(robot.arm.joint_count()), node_count_(joint_count_ + 1) {
+  for (int i = 0; i < joint_count_; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    drives_[k] = robot.drives[k];
+    nodes_[k].emplace(node_options(robot, drives_[k].node, drives_[k].counts_per_turn));
+  }
+  nodes_[static_cast<std::size_t>(joint_count_)].emplace(node_options(robot, hand_.node, 0.0));
+  samples_.q_rad = samples_.torque_Nm = JointVector::Zero(joint_count_);
+}
+
+void CanopenMaster::latch(const Fault& fault) noexcept {
+  if (!samples_.fault.is_set()) samples_.fault = fault;
+}
+
+void CanopenMaster::take(const BusFrame& received, Time now) noexcept {
+  if (received.is_own_echo) {
+    if (received.frame.id == kSyncId && sync_is_out_) sync_time_ = received.time;  // the instant all joints sampled
+    return;
+  }
+  for (int i = 0; i < node_count_; ++i) joint_node(i).receive(received.frame, now);
+}
+
+void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept {
+  take_errors(errors);
+  for (int i = 0; i < node_count_; ++i) {
+    joint_node(i).advance(now, sync_is_out_, samples_.fault.is_set() ? PowerRequest::kQuickStop : power_);
+    latch(node(i).fault());
+  }
+  update_phase();
+  update_joints();
+  update_hand();
+  sync_is_out_ = false;
+}
+
+void CanopenMaster::take_errors(const BusErrors& errors) noexcept {
+  error_totals_.error_frames += errors.error_frames;
+  error_totals_.send_failures += errors.send_failures;
+  error_totals_.receive_overflows += errors.receive_overflows;
+  error_totals_.error_passive = errors.error_passive;
+  if (errors.lost) {
+    error_totals_.lost = true;
+    latch({FaultCode::kBusLost});
+  }
+  if (errors.bus_off) latch({FaultCode::kBusOff});
+}
+
+void CanopenMaster::update_phase() noexcept {
+  bool all_seen = true, all_ready = true, all_follow = true;
+  for (int i = 0; i < node_count_; ++i) {
+    all_seen = all_seen && node(i).phase() != NodePhase::kAbsent;
+    all_ready = all_ready && node(i).phase() == NodePhase::kReady && !node(i).is_resetting();
+    all_follow = all_follow && node(i).is_following();
+  }
+  samples_.phase = !all_seen     ? BusPhase::kDown
+                   : !all_ready  ? BusPhase::kConfiguring
+                   : !all_follow ? BusPhase::kReady
+                                 : BusPhase::kPowered;
+}
+
+void CanopenMaster::update_joints() noexcept {
+  bool all_fresh = sync_is_out_, all_known = true;
+  for (int i = 0; i < joint_count_; ++i) {
+    all_fresh = all_fresh && node(i).is_fresh();
+    all_known = all_known && node(i).has_feedback();
+  }
+  samples_.is_fresh = all_fresh && all_known;
+  if (!samples_.is_fresh) return;
+  JointVector q(joint_count_);
+  for (int i = 0; i < joint_count_; ++i) {
+    const DriveConfig& drive = drives_[static_cast<std::size_t>(i)];
+    q[i] = turn(drive) * node(i).position_counts() + drive.zero_rad;
+    samples_.torque_Nm[i] = drive.sign * 1e-3 * node(i).torque_permille() * node(i).rated_torque_Nm();
+  }
+  samples_.is_fresh = positions_are_plausible(q);
+  if (!samples_.is_fresh) return;
+  samples_.q_rad = q;
+  samples_.time = last_fresh_ = sync_time_;
+  samples_.has_positions = true;
+}
+
+// An encoder jump must stop the arm and never reach the filter as an offset (controller.md §4.4, §10 no. 8).
+bool CanopenMaster::positions_are_plausible(const JointVector& q) noexcept {
+  const double farthest = kFastestJoint_rad_s * to_seconds(sync_time_ - last_fresh_) + kEncoderNoise_rad;
+  for (int i = 0; i < joint_count_; ++i) {
+    const bool is_outside =
+        q[i] < limits_.min_rad[i] - kBeyondLimits_rad || q[i] > limits_.max_rad[i] + kBeyondLimits_rad;
+    if (!samples_.has_positions && is_outside) latch({FaultCode::kOutsideLimits, node(i).id()});
+    if (samples_.has_positions && std::abs(q[i] - samples_.q_rad[i]) > farthest)
+      latch({FaultCode::kEncoderStep, node(i).id()});
+  }
+  return !samples_.fault.is_set() || samples_.fault.code < FaultCode::kEncoderStep;
+}
+
+void CanopenMaster::update_hand() noexcept {
+  if (!hand_node().has_feedback()) return;
+  const double stroke = hand_.closed_counts - hand_.open_counts;
+  samples_.hand_closure = (hand_node().position_counts() - hand_.open_counts) / stroke;
+  samples_.hand_effort_permille = std::abs(hand_node().torque_permille());
+}
+
+void CanopenMaster::recover(Time now) noexcept {
+  samples_.fault = {};
+  samples_.has_positions = false;
+  failed_cycles_ = 0;
+  for (int i = 0; i < node_count_; ++i) joint_node(i).recover(now);
+}
+
+std::int32_t CanopenMaster::target_counts(int joint, double q_rad) const noexcept {
+  const DriveConfig& drive = drives_[static_cast<std::size_t>(joint)];
+  return static_cast<std::int32_t>(std::lround((q_rad - drive.zero_rad) / turn(drive)));
+}
+
+void CanopenMaster::add(const CanFrame& frame) noexcept {
+  if (outgoing_count_ < outgoing_.size()) outgoing_[outgoing_count_++] = frame;
+}
+
+void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
+  outgoing_count_ = 0;
+  set_points_failed_ = false;
+  if (command.recover) recover(now);
+  power_ = command.power;
+  sync_counter_ = static_cast<std::uint8_t>(sync_counter_ % 10 + 1);
+  add(encode(Sync{sync_counter_}));
+  for (int i = 0; i < joint_count_; ++i) {
+    const double q = i < command.q_rad.size() ? command.q_rad[i] : samples_.q_rad[i];
+    if (const auto frame = joint_node(i).set_point(target_counts(i, q))) add(*frame);
+  }
+  const double stroke = hand_.closed_counts - hand_.open_counts;
+  const double closure = std::clamp(command.hand_closure, 0.0, 1.0);
+  hand_node().set_torque_limit(command.hand_force_permille);
+  // The fingers move only under the grip limit that was asked for.
+  const auto counts = hand_node().torque_limit_is_set()
+                          ? static_cast<std::int32_t>(std::lround(hand_.open_counts + closure * stroke))
+                          : hand_node().position_counts();
+  if (const auto frame = hand_node().set_point(counts)) add(*frame);
+  for (int i = 0; i < node_count_; ++i)
+    if (const auto frame = joint_node(i).service_frame(now)) add(*frame);
+  if (!own_heartbeat_ || now - *own_heartbeat_ >= kOwnHeartbeatPeriod) {
+    add(encode(Heartbeat{NmtState::kOperational}, kControllerNode));
+    own_heartbeat_ = now;
+  }
+}
+
+// A frame that finds no room is dropped and counted, never queued: a stale set-point is worse than none.
+void CanopenMaster::note_sent(std::size_t i, SendResult result, Time now) noexcept {
+  if (i == 0 && result == SendResult::kSent) {
+    sync_is_out_ = true;
+    sync_time_ = now;  // until the echo tells better
+  }
+  if (result != SendResult::kSent && i <= static_cast<std::size_t>(node_count_)) set_points_failed_ = true;
+  if (i + 1 != outgoing_count_) return;
+  failed_cycles_ = set_points_failed_ ? failed_cycles_ + 1 : 0;
+  if (failed_cycles_ >= kFailedCyclesLimit) latch({FaultCode::kSendFailed});
+}
+
+}  // namespace armsight::arm

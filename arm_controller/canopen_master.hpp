@@ -1,0 +1,90 @@
+// The controller's side of the CANopen network: brings the nodes up, keeps SYNC, set-points and heartbeat going, watches
+// the nodes and turns counts into joint angles. Called once a cycle: receive, (tick), send. Never waits, no heap.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "arm_controller/can_bus.hpp"
+#include "arm_controller/joint_io.hpp"
+#include "arm_controller/node.hpp"
+#include "protocol/config.hpp"
+
+namespace armsight::arm {
+
+class CanopenMaster {
+ public:
+  static constexpr int kMaxNodes = kMaxJoints + 1;  ///< joints and the hand
+
+  explicit CanopenMaster(const RobotConfig& robot);
+
+  /// Takes what the bus has brought since the last call. on_frame(const BusFrame&) sees every frame (the recorder).
+  template <typename OnFrame>
+  const JointSamples& receive(CanBus& bus, Time now, OnFrame&& on_frame) noexcept {
+    BusFrame received;
+    while (bus.receive(received)) {
+      on_frame(received);
+      take(received, now);
+    }
+    finish_receiving(bus.take_errors(), now);
+    return samples_;
+  }
+
+  /// SYNC, then set-points, then at most one service frame a node and our heartbeat: sampled data always beat commands,
+  /// commands beat configuration. on_frame sees what was sent.
+  template <typename OnFrame>
+  void send(CanBus& bus, const JointCommand& command, Time now, OnFrame&& on_frame) noexcept {
+    prepare(command, now);
+    for (std::size_t i = 0; i < outgoing_count_; ++i) {
+      const SendResult result = bus.send(outgoing_[i]);
+      note_sent(i, result, now);
+      if (result == SendResult::kSent) on_frame(BusFrame{outgoing_[i], now, false});
+    }
+  }
+
+  const JointSamples& samples() const noexcept { return samples_; }
+  int node_count() const noexcept { return node_count_; }
+  const Node& node(int i) const noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
+  const BusErrors& error_totals() const noexcept { return error_totals_; }
+
+ private:
+  void take(const BusFrame& received, Time now) noexcept;
+  void finish_receiving(const BusErrors& errors, Time now) noexcept;
+  void take_errors(const BusErrors& errors) noexcept;
+  void update_phase() noexcept;
+  void update_joints() noexcept;
+  void update_hand() noexcept;
+  bool positions_are_plausible(const JointVector& q) noexcept;
+  void latch(const Fault& fault) noexcept;
+  void recover(Time now) noexcept;
+  void prepare(const JointCommand& command, Time now) noexcept;
+  void add(const CanFrame& frame) noexcept;
+  void note_sent(std::size_t i, SendResult result, Time now) noexcept;
+  std::int32_t target_counts(int joint, double q_rad) const noexcept;
+  Node& joint_node(int i) noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
+  Node& hand_node() noexcept { return *nodes_[static_cast<std::size_t>(joint_count_)]; }
+
+  JointLimits limits_;
+  std::array<DriveConfig, kMaxJoints> drives_{};
+  HandConfig hand_;
+  double period_s_;
+  int joint_count_ = 0, node_count_ = 0;
+  std::array<std::optional<Node>, kMaxNodes> nodes_;
+
+  JointSamples samples_;
+  PowerRequest power_ = PowerRequest::kOff;
+  bool checked_limits_ = false;
+  std::uint8_t sync_counter_ = 0;
+  bool sync_is_out_ = false;             ///< sent and not yet answered for
+  Time sync_time_{};
+  Time last_fresh_{};
+  std::optional<Time> own_heartbeat_;
+  int failed_cycles_ = 0;
+  bool set_points_failed_ = false;
+  BusErrors error_totals_;
+
+  std::array<CanFrame, 2 * kMaxNodes + 2> outgoing_{};
+  std::size_t outgoing_count_ = 0;
+};
+
+}  // namespace armsight::arm

@@ -1,0 +1,106 @@
+// One drive as the controller sees it: bring-up, power state machine, supervision. Advanced once a cycle, never waits.
+//
+//   kAbsent ──seen──► kConfiguring ──script done──► kStarting ──three TPDO1──► kReady ⇄ (402 states) enabled
+//      ▲                    │ NMT pre-operational          │ NMT start            │
+//      └──── restart() ─────┴──────────── a fault latches and stays until restart() or reset_fault() ─────────┘
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "arm_controller/fault.hpp"
+#include "arm_controller/joint_io.hpp"
+#include "arm_controller/node_script.hpp"
+#include "arm_controller/sdo_client.hpp"
+
+namespace armsight::arm {
+
+enum class NodePhase : std::uint8_t { kAbsent, kConfiguring, kStarting, kReady };
+
+struct NodeOptions {
+  ScriptOptions script;
+  double counts_per_turn = 0.0;  ///< 0: not compared (the hand)
+};
+
+class Node {
+ public:
+  static constexpr Duration kProbeAfter = std::chrono::milliseconds(300);
+  static constexpr Duration kAbsentAfter = std::chrono::seconds(3);
+  static constexpr Duration kHeartbeatLostAfter = std::chrono::milliseconds(250);
+  static constexpr Duration kStateTimeout = std::chrono::milliseconds(200);
+  static constexpr Duration kStartTimeout = std::chrono::milliseconds(500);
+  static constexpr int kMissedFeedbackLimit = 3;
+  static constexpr int kFeedbackToStart = 3;
+
+  explicit Node(const NodeOptions& options) noexcept;
+
+  void receive(const CanFrame& frame, Time now) noexcept;
+  /// After all frames of a cycle; sync_answered: a SYNC went out since the last call, so a TPDO1 was due.
+  void advance(Time now, bool sync_answered, PowerRequest power) noexcept;
+  /// RPDO1 for this cycle; nullopt: the node takes none now. target_counts counts only once it follows.
+  std::optional<CanFrame> set_point(std::int32_t target_counts) const noexcept;
+  /// One asynchronous frame, after the RPDOs.
+  std::optional<CanFrame> service_frame(Time now) noexcept;
+
+  void restart(Time now) noexcept;      ///< from the beginning
+  void recover(Time now) noexcept;      ///< forgets the fault; resets the drive or configures it again
+  /// Grip limit, ‰ of the rated torque (0x6072); sent when it changes.
+  void set_torque_limit(std::uint16_t permille) noexcept { wanted_torque_limit_ = permille; }
+  bool torque_limit_is_set() const noexcept { return torque_limit_ == wanted_torque_limit_; }
+
+  std::uint8_t id() const noexcept { return options_.script.node; }
+  NodePhase phase() const noexcept { return phase_; }
+  bool is_following() const noexcept;   ///< enabled and heeding its target
+  bool is_resetting() const noexcept { return is_resetting_; }
+  const Fault& fault() const noexcept { return fault_; }
+  bool has_feedback() const noexcept { return has_feedback_; }
+  bool is_fresh() const noexcept { return missed_feedback_ == 0 && has_feedback_; }
+  std::int32_t position_counts() const noexcept { return feedback_.position_counts; }
+  double torque_permille() const noexcept { return feedback_.torque; }
+  double rated_torque_Nm() const noexcept { return 1e-3 * stored_[kRatedTorque]; }  ///< 0: the drive does not say
+  DriveState drive_state_now() const noexcept { return drive_state(feedback_.statusword); }
+  bool stays_powered_on_quick_stop() const noexcept { return !fell_back_; }
+
+ private:
+  void latch(FaultCode code, const ObjectAddress& object = {}, std::uint32_t detail = 0,
+             std::uint32_t expected = 0) noexcept;
+  void latch_drive(FaultCode code) noexcept;
+  void see(Time now) noexcept;
+  void supervise(Time now, bool sync_answered) noexcept;
+  void advance_script(Time now) noexcept;
+  void take_result(const ScriptStep& step) noexcept;
+  void take_abort(const ScriptStep& step) noexcept;
+  void start_step(const ScriptStep& step) noexcept;
+  void next_step() noexcept;
+  bool check_counts() noexcept;
+  void advance_power(Time now, PowerRequest power) noexcept;
+  void supervise_power(DriveState state, bool state_is_old) noexcept;
+  void advance_reset(Time now) noexcept;
+  void advance_absent(Time now) noexcept;
+  std::uint16_t command_for(PowerRequest power, DriveState state, bool state_is_old) noexcept;
+
+  NodeOptions options_;
+  NodeScript script_;
+  SdoClient sdo_;
+  NodePhase phase_ = NodePhase::kAbsent;
+  Fault fault_;
+  std::size_t step_ = 0;
+  bool reads_back_ = false, uses_fall_back_ = false, fell_back_ = false, has_torque_offset_ = true;
+  std::array<std::uint32_t, kStoreSlots> stored_{};
+  std::optional<Nmt> nmt_to_send_;
+
+  std::optional<Time> phase_since_, heartbeat_time_;
+  Tpdo1 feedback_{};
+  bool has_feedback_ = false, feedback_arrived_ = false;
+  int missed_feedback_ = 0, feedback_seen_ = 0;
+  std::uint16_t emergency_ = 0;
+
+  std::uint16_t controlword_ = kDisableVoltage;
+  DriveState last_state_ = DriveState::kUnknown;
+  Time state_since_{};
+  bool was_enabled_ = false, is_resetting_ = false;
+  Time reset_since_{};
+  std::optional<std::uint16_t> wanted_torque_limit_, torque_limit_, torque_limit_in_flight_;
+};
+
+}  // namespace armsight::arm

@@ -1,0 +1,56 @@
+// What is asked of a CiA 402 node before it may move, as a table: identity compared, objects written AND read back, in
+// the order that drives accept (controller.md §4.3, §4.4). Built once a node, walked by node_start.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "protocol/can_frames.hpp"
+
+namespace armsight::arm {
+
+enum class StepKind : std::uint8_t {
+  kCompare,    ///< read, (value & mask) must be `value`
+  kStore,      ///< read into a slot
+  kWrite,      ///< write only: the value is final later in the table
+  kWriteBack,  ///< write, read back, must be equal
+};
+
+enum class OnAbort : std::uint8_t {
+  kFault,
+  kSkip,           ///< optional in drives
+  kFallBack,       ///< write `fall_back` instead
+  kShorterRpdo,    ///< the drive has no torque offset: RPDO1 ends after the target
+};
+
+/// Values that later decisions need.
+enum StoreSlot : std::uint8_t { kEncoderCounts, kEncoderTurns, kGearMotor, kGearShaft, kRatedTorque, kStoreSlots };
+
+struct ScriptStep {
+  ObjectAddress object;
+  std::uint8_t size = 0;
+  StepKind kind = StepKind::kWriteBack;
+  std::uint32_t value = 0;
+  std::uint32_t mask = 0xFFFFFFFF;
+  OnAbort on_abort = OnAbort::kFault;
+  std::uint32_t fall_back = 0;
+  StoreSlot slot = kStoreSlots;
+};
+
+struct NodeScript {
+  std::array<ScriptStep, 48> steps{};
+  std::size_t count = 0;
+};
+
+struct ScriptOptions {
+  std::uint8_t node = 0;
+  std::uint32_t period_us = 4000;
+  std::uint16_t rpdo_deadline_ms = 20;
+  std::uint16_t controller_heartbeat_ms = 250;  ///< the drive reacts after so long without ours
+  std::uint16_t drive_heartbeat_ms = 100;
+};
+
+NodeScript make_node_script(const ScriptOptions& options);
+
+}  // namespace armsight::arm
