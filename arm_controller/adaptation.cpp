@@ -1,0 +1,99 @@
+#include "arm_controller/adaptation.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace armsight::arm {
+namespace {
+
+constexpr double kMaxBeta_rad = 0.34907;        ///< 20°: specification §7.1 draws ±8° and drifts by 5°
+constexpr double kMaxCameraDistance_m = 5.0;
+constexpr double kMaxSigma = 1.0;               ///< m or rad: wider than any prior
+
+}  // namespace
+
+Adaptation::Adaptation(const RobotConfig& robot, const StartModel& start)
+    : chain_(robot.arm.chain), time_bound_(seconds_to_duration(robot.controller.look_time_bound_s)),
+      max_speed_rad_s_(robot.controller.look_max_speed_rad_s), filter_(robot.arm.chain, robot.filter),
+      model_(start.model), model_at_begin_(start.model), source_(start.source) {
+  if (start.P) filter_.reset(model_, *start.P);
+  else filter_.reset(model_);
+}
+
+void Adaptation::begin(bool keep_covariance) noexcept {
+  if (!keep_covariance) filter_.reset(model_);
+  model_at_begin_ = model_;
+  is_open_ = true;
+}
+
+FusionReport Adaptation::fuse(HandPoseMeasurement z) noexcept {
+  const FusionReport report = filter_.update(z);
+  if (report.outcome == FusionOutcome::kFused || report.outcome == FusionOutcome::kFusedSecondSolution) {
+    const std::uint64_t revision = model_.revision + 1;
+    model_ = filter_.model();
+    model_.revision = revision;
+    source_ = ModelSource::kFilter;
+  }
+  return report;
+}
+
+AnswerEvent Adaptation::take(const Look& look, const JointHistory& history, FilterEvent& event) noexcept {
+  if (!is_open_) return {look.tag, Answer::kWrongState, "no recalibration was started"};
+  event = {};
+  event.capture_time = look.capture_time;
+  event.q_reading_rad = JointVector::Zero(chain_.joint_count);
+  const auto joints = history.at(look.capture_time);
+  AnswerEvent answer{look.tag, Answer::kAccepted, ""};
+  if (look.time_bound > time_bound_ || look.time_bound < Duration::zero()) {
+    event.look = LookOutcome::kNoJoints;
+    answer = {look.tag, Answer::kTime, "time_bound_ns is beyond controller.look_time_bound_s"};
+  } else if (!joints) {
+    event.look = LookOutcome::kNoJoints;
+    answer = {look.tag, Answer::kTime, "the joint history does not hold arm_capture_time_ns"};
+  } else if (joints->speed_rad_s.cwiseAbs().maxCoeff() > max_speed_rad_s_) {
+    event.look = LookOutcome::kMoving;
+    answer = {look.tag, Answer::kMoving, "a joint moved faster than controller.look_max_speed_rad_s"};
+  }
+  if (joints) event.q_reading_rad = joints->q_rad;
+  if (answer.answer == Answer::kAccepted) {
+    HandPoseMeasurement z = look.measurement;
+    z.q = joints->q_rad;
+    event.report = fuse(z);
+  }
+  fill(event);
+  return answer;
+}
+
+void Adaptation::fill(FilterEvent& event) const noexcept {
+  const CameraCorrection correction = camera_correction(model_at_begin_.T_C_B, model_.T_C_B);
+  event.model_revision = model_.revision;
+  event.delta_t_m = correction.delta_t_m;
+  event.delta_theta_rad = correction.delta_theta_rad;
+  event.delta_beta_rad = model_.beta - model_at_begin_.beta;
+  event.hand_sigma = filter_.predicted_hand_covariance(event.q_reading_rad).diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+bool Adaptation::is_plausible(const Proposal& proposal) noexcept {
+  const LearnedModel& m = proposal.model;
+  if (m.beta.cwiseAbs().maxCoeff() > kMaxBeta_rad || m.T_C_B.p.norm() > kMaxCameraDistance_m) return false;
+  if (!proposal.has_covariance) return true;
+  if (proposal.P.diagonal().minCoeff() < 0.0 || proposal.P.diagonal().maxCoeff() > kMaxSigma * kMaxSigma) return false;
+  const StateMatrix lifted = proposal.P + 1e-12 * StateMatrix::Identity(proposal.P.rows(), proposal.P.cols());
+  return Eigen::LLT<StateMatrix>(lifted).info() == Eigen::Success;
+}
+
+AnswerEvent Adaptation::take(const Proposal& proposal) noexcept {
+  if (proposal.parent_revision != model_.revision)
+    return {proposal.tag, Answer::kStaleModel, "parent_revision is not the revision in force"};
+  if (!is_plausible(proposal))
+    return {proposal.tag, Answer::kImplausible, "an offset above 20 deg, a camera beyond 5 m, or a bad covariance"};
+  const std::uint64_t revision = model_.revision + 1;
+  model_ = proposal.model;
+  model_.revision = revision;
+  source_ = ModelSource::kCalibration;
+  if (proposal.has_covariance) filter_.reset(model_, proposal.P);
+  else filter_.reset(model_);
+  is_open_ = false;
+  return {proposal.tag, Answer::kAccepted, ""};
+}
+
+}  // namespace armsight::arm

@@ -1,0 +1,163 @@
+#include "arm_controller/controller.hpp"
+
+namespace armsight::arm {
+namespace {
+
+constexpr int kLateLimit = 10;  // controller.md §10 no. 11
+
+}  // namespace
+
+Controller::Controller(const RobotConfig& robot, const StartModel& start)
+    : arm_(robot.arm), period_s_(robot.controller.period_s),
+      watch_(robot.arm.joint_count(), robot.controller.still_speed_rad_s, robot.controller.still_time_s,
+             robot.controller.period_s),
+      motion_(robot), hand_(robot.controller.period_s), adaptation_(robot, start) {
+  output_.command.q_rad = JointVector::Zero(arm_.joint_count());
+}
+
+const TickOutput& Controller::tick(Time now, const JointSamples& joints, const TickInbox& inbox) noexcept {
+  output_.event_count = 0;
+  output_.command.recover = false;
+  if (!announced_start_) announce_model();
+  apply(ModeEvent::kStarted);
+  take_samples(joints);
+  take_faults(now, joints, inbox);
+  take_bus_phase(joints);
+  take_lease(now, inbox);
+  take_inbox(inbox);
+  adaptation_.predict(period_s_);
+  step_motion();
+  step_command(joints, now);
+  fill_snapshot(joints);
+  return output_;
+}
+
+void Controller::take_samples(const JointSamples& joints) noexcept {
+  hand_.step(joints.hand_closure);
+  if (!joints.is_fresh) return;
+  watch_.push(joints.q_rad);
+  history_.push({joints.time, joints.q_rad, watch_.speed_rad_s()});
+  joints_time_ = joints.time;
+}
+
+void Controller::take_faults(Time now, const JointSamples& joints, const TickInbox& inbox) noexcept {
+  late_in_a_row_ = inbox.is_late ? late_in_a_row_ + 1 : 0;
+  if (joints.fault.is_set()) raise(now, joints.fault);
+  if (late_in_a_row_ >= kLateLimit) raise(now, {FaultCode::kCycleOverrun});
+  if (inbox.model_not_saved) raise(now, {FaultCode::kModelNotSaved});
+}
+
+void Controller::raise(Time now, const Fault& fault) noexcept {
+  if (fault_.is_set()) return;
+  fault_ = fault;
+  wants_power_ = false;
+  end_goal(GoalState::kStopped, "fault");
+  hand_.stop();
+  apply(ModeEvent::kFault);
+  emit(FaultEvent{fault, now});
+}
+
+void Controller::take_bus_phase(const JointSamples& joints) noexcept {
+  bus_is_ready_ = joints.phase >= BusPhase::kReady && joints.has_positions;
+  if (fault_.is_set()) return;
+  if (joints.phase >= BusPhase::kConfiguring) apply(ModeEvent::kNodesSeen);
+  if (bus_is_ready_) apply(ModeEvent::kConfigured);
+  if (mode_ == Mode::kReady && wants_power_ && joints.phase == BusPhase::kPowered && joints.is_fresh) {
+    motion_.stand_at(joints.q_rad);
+    hand_.stand_at(joints.hand_closure);
+    apply(ModeEvent::kPowered);
+  }
+}
+
+void Controller::take_lease(Time now, const TickInbox& inbox) noexcept {
+  if (inbox.lease) lease_ = inbox.lease;
+  if (!lease_ || (lease_->session != 0 && now <= lease_->until)) return;
+  lease_.reset();
+  adaptation_.close();
+  stop("the commander's lease ended");
+}
+
+void Controller::stop(const char* why) noexcept {
+  end_goal(GoalState::kStopped, why);
+  hand_.stop();
+  if (mode_ == Mode::kReady) wants_power_ = false;
+  apply(ModeEvent::kStop);
+}
+
+void Controller::end_goal(GoalState state, const char* text) noexcept {
+  if (!goal_is_active_) return;
+  goal_is_active_ = false;
+  GoalEvent event{goal_, state, 0.0, 0.0, adaptation_.model().revision, joints_time_, watch_.mean_rad(), text};
+  motion_.errors_at(event.q_reading_rad, adaptation_.model(), event.position_error_m, event.orientation_error_rad);
+  emit(event);
+}
+
+void Controller::apply(ModeEvent event) noexcept {
+  const Mode before = mode_;
+  mode_ = next_mode(mode_, event);
+  if (before == Mode::kFault && mode_ == Mode::kRecovering) wants_recover_ = true;
+}
+
+void Controller::step_motion() noexcept {
+  switch (mode_) {
+    case Mode::kServo: {
+      const Progress progress = motion_.step_to_goal(adaptation_.model(), watch_);
+      if (progress == Progress::kArrived) {
+        end_goal(GoalState::kArrived, "");
+        apply(ModeEvent::kArrived);
+      } else if (progress == Progress::kGivenUp) {
+        stop("the arm did not come to rest within the tolerance");
+      }
+      break;
+    }
+    case Mode::kStopping:
+      motion_.step_to_rest();
+      if (motion_.is_at_rest()) apply(ModeEvent::kStandstill);
+      break;
+    case Mode::kHold: motion_.step_to_rest(); break;
+    default: break;
+  }
+}
+
+void Controller::step_command(const JointSamples& joints, Time now) noexcept {
+  JointCommand& command = output_.command;
+  const bool is_driven = mode_ == Mode::kHold || mode_ == Mode::kServo || mode_ == Mode::kStopping;
+  command.q_rad = is_driven ? motion_.command_rad() : joints.q_rad;
+  command.hand_closure = hand_.command();
+  command.hand_force_permille = hand_.force_limit_permille();
+  if (is_driven && !(command.q_rad.allFinite() && std::isfinite(command.hand_closure))) {
+    raise(now, {FaultCode::kNotFinite});
+    command.q_rad = joints.q_rad;
+    command.hand_closure = joints.hand_closure;
+  }
+  const bool stays_stopped = mode_ == Mode::kFault || mode_ == Mode::kRecovering;
+  command.power = stays_stopped ? PowerRequest::kQuickStop : wants_power_ ? PowerRequest::kOn : PowerRequest::kOff;
+  command.recover = wants_recover_;
+  wants_recover_ = false;
+}
+
+void Controller::announce_model() noexcept {
+  announced_start_ = true;
+  emit(ModelEvent{adaptation_.model(), adaptation_.covariance(), adaptation_.source(), joints_time_});
+}
+
+void Controller::fill_snapshot(const JointSamples& joints) noexcept {
+  ArmSnapshot& s = output_.snapshot;
+  s.time = joints.time;
+  s.mode = mode_;
+  s.has_positions = joints.has_positions;
+  s.is_still = watch_.is_still() && (mode_ != Mode::kServo || motion_.is_at_rest());
+  s.hand_is_moving = hand_.is_moving();
+  s.q_reading_rad = joints.q_rad;
+  s.speed_rad_s = watch_.speed_rad_s();
+  s.q_command_rad = output_.command.q_rad;
+  s.torque_Nm = joints.torque_Nm;
+  s.hand_closure = joints.hand_closure;
+  s.hand_command = output_.command.hand_closure;
+  s.hand_effort_permille = joints.hand_effort_permille;
+  s.model = adaptation_.model();
+  s.goal = goal_;
+  s.fault = fault_;
+}
+
+}  // namespace armsight::arm

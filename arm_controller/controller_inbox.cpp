@@ -1,0 +1,110 @@
+// Controller, second half: what the messages do. Every one is answered; what is refused changes nothing.
+#include "arm_controller/controller.hpp"
+
+namespace armsight::arm {
+
+void Controller::take_inbox(const TickInbox& inbox) noexcept {
+  if (inbox.stop) stop("stop was asked for");
+  if (inbox.mode) take_mode_order(*inbox.mode);
+  if (inbox.recalibration) take_recalibration(*inbox.recalibration);
+  if (inbox.proposal) take_proposal(*inbox.proposal);
+  take_looks(inbox);
+  if (inbox.goal) {
+    if (inbox.stop) emit(AnswerEvent{inbox.goal->tag, Answer::kWrongState, "stopped in the same cycle"});
+    else take_goal(*inbox.goal);
+  }
+  if (inbox.hand) {
+    if (inbox.stop) emit(AnswerEvent{inbox.hand->tag, Answer::kWrongState, "stopped in the same cycle"});
+    else take_hand_order(*inbox.hand);
+  }
+}
+
+AnswerEvent Controller::answer_mode_order(const ModeOrder& order) noexcept {
+  const bool is_fault = mode_ == Mode::kFault;
+  if (is_fault && !order.clear_fault) return {order.tag, Answer::kWrongState, "a fault is latched: clear_fault is needed"};
+  if (mode_ < Mode::kReady) return {order.tag, Answer::kWrongState, "the drives are not configured yet"};
+  if (order.wish == PowerWish::kPowerOff && (mode_ == Mode::kServo || mode_ == Mode::kStopping))
+    return {order.tag, Answer::kWrongState, "the arm moves: stop first"};
+  return {order.tag, Answer::kAccepted, ""};
+}
+
+void Controller::take_mode_order(const ModeOrder& order) noexcept {
+  const AnswerEvent answer = answer_mode_order(order);
+  emit(answer);
+  if (answer.answer != Answer::kAccepted) return;
+  if (mode_ == Mode::kFault) {
+    fault_ = {};
+    late_in_a_row_ = 0;
+    watch_.reset();
+    apply(ModeEvent::kClearFault);
+  }
+  if (order.wish == PowerWish::kHold && mode_ == Mode::kServo) stop("hold was asked for");
+  wants_power_ = order.wish == PowerWish::kHold;
+  if (!wants_power_) apply(ModeEvent::kPowerOff);
+}
+
+AnswerEvent Controller::judge_goal(const Goal& goal) const noexcept {
+  if (mode_ != Mode::kHold && mode_ != Mode::kServo)
+    return {goal.tag, Answer::kWrongState, "goals are taken in HOLD and SERVO only"};
+  if (!lease_) return {goal.tag, Answer::kNoLease, "the lease ended"};
+  const LearnedModel& model = adaptation_.model();
+  if (goal.kind != GoalKind::kJoints && goal.model_revision != model.revision)
+    return {goal.tag, Answer::kStaleModel, "the goal was computed with another model revision"};
+  JointVector min_rad, max_rad;
+  Motion::reading_limits(arm_.limits, model.beta, min_rad, max_rad);
+  const JointVector q = goal.q_real_rad - model.beta;
+  const bool is_inside = (q.array() >= min_rad.array()).all() && (q.array() <= max_rad.array()).all();
+  if (!is_inside) return {goal.tag, Answer::kOutOfLimits, "q or q + beta beyond a joint limit"};
+  return {goal.tag, Answer::kAccepted, ""};
+}
+
+void Controller::take_goal(const Goal& goal) noexcept {
+  const AnswerEvent answer = judge_goal(goal);
+  emit(answer);
+  if (answer.answer != Answer::kAccepted) return;
+  end_goal(GoalState::kReplaced, "another goal came");
+  motion_.start(goal, adaptation_.model());
+  goal_ = goal.id;
+  goal_is_active_ = true;
+  apply(ModeEvent::kGoal);
+  GoalEvent event{goal_, GoalState::kMoving, 0.0, 0.0, adaptation_.model().revision, joints_time_, watch_.mean_rad(), ""};
+  motion_.errors_at(event.q_reading_rad, adaptation_.model(), event.position_error_m, event.orientation_error_rad);
+  emit(event);
+}
+
+void Controller::take_hand_order(const HandOrder& order) noexcept {
+  if (mode_ != Mode::kHold && mode_ != Mode::kServo)
+    return emit(AnswerEvent{order.tag, Answer::kWrongState, "the hand moves in HOLD and SERVO only"});
+  hand_.order(order.closure, order.force_limit_permille);
+  emit(AnswerEvent{order.tag, Answer::kAccepted, ""});
+}
+
+void Controller::take_recalibration(const RecalibrationOrder& order) noexcept {
+  if (mode_ != Mode::kHold && mode_ != Mode::kServo)
+    return emit(AnswerEvent{order.tag, Answer::kWrongState, "a recalibration starts in HOLD or SERVO only"});
+  adaptation_.begin(order.keep_covariance);
+  emit(AnswerEvent{order.tag, Answer::kAccepted, ""});
+}
+
+void Controller::take_proposal(const Proposal& proposal) noexcept {
+  if (mode_ != Mode::kHold)
+    return emit(AnswerEvent{proposal.tag, Answer::kWrongState, "a model is taken in HOLD only"});
+  const AnswerEvent answer = adaptation_.take(proposal);
+  emit(answer);
+  if (answer.answer == Answer::kAccepted) announce_model();
+}
+
+void Controller::take_looks(const TickInbox& inbox) noexcept {
+  for (std::size_t i = 0; i < inbox.look_count; ++i) {
+    FilterEvent event;
+    const std::uint64_t before = adaptation_.model().revision;
+    const AnswerEvent answer = adaptation_.take(inbox.looks[i], history_, event);
+    emit(answer);
+    if (answer.answer != Answer::kWrongState) emit(event);
+    if (adaptation_.model().revision == before) continue;
+    motion_.model_changed(adaptation_.model());
+    announce_model();
+  }
+}
+
+}  // namespace armsight::arm

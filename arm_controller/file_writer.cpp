@@ -1,0 +1,179 @@
+#include "arm_controller/file_writer.hpp"
+
+#include <sys/resource.h>
+
+#include <condition_variable>
+#include <cstdio>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "arm_controller/state_folder.hpp"
+#include "arm_controller/tick_recording.hpp"
+
+namespace armsight::arm {
+namespace {
+
+constexpr auto kPollPeriod = std::chrono::milliseconds(5);
+constexpr std::uint64_t kTicksPerFlush = 250;
+
+using Job = std::variant<ModelEvent, wire::LinkRecord>;
+
+wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, const std::string& configuration,
+                              Time now) {
+  wire::RecordingInfo info;
+  info.set_program("arm_controller 0.1.0");
+  info.set_robot(robot.robot);
+  info.set_model_hash(model_hash(robot));
+  info.set_rate_hz(1.0 / robot.controller.period_s);
+  info.set_bus(bus);
+  for (const std::string& name : robot.joint_names) info.add_joint_names(name);
+  info.set_time_ns(to_ns(now));
+  info.set_configuration(configuration);
+  return info;
+}
+
+}  // namespace
+
+struct FileWriter::Impl {
+  Impl(const std::filesystem::path& folder_path, const RobotConfig& robot_config, const wire::RecordingInfo& recording_info,
+       Tape& cycle_tape)
+      : folder(folder_path), robot(robot_config), info(recording_info), tape(cycle_tape),
+        recording(new_recording_file(folder_path), info) {}
+
+  void run();
+  void drain_tape();
+  void write_black_box(const FaultEvent& fault);
+  void save(const ModelEvent& model);
+  void post(Job job);
+
+  std::filesystem::path folder;
+  RobotConfig robot;
+  wire::RecordingInfo info;
+  Tape& tape;
+  TickRecording recording;
+  std::deque<TickRecord> last_ticks;
+  std::uint64_t ticks_written = 0, cycle = 0;
+
+  std::mutex mutex;
+  std::condition_variable wake, done;
+  std::vector<Job> jobs;
+  std::uint64_t requested = 0, completed = 0;
+  bool leaves = false;
+  std::atomic<std::uint64_t> saved_revision{0};
+  std::atomic<bool> save_failed{false};
+  std::thread thread;
+};
+
+FileWriter::FileWriter(const std::filesystem::path& state_folder, const RobotConfig& robot, const std::string& bus,
+                       const std::string& configuration, Time now, Tape& tape)
+    : impl_(std::make_unique<Impl>(state_folder, robot, make_info(robot, bus, configuration, now), tape)) {
+  impl_->thread = std::thread([this] { impl_->run(); });
+}
+
+FileWriter::~FileWriter() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->leaves = true;
+  }
+  impl_->wake.notify_all();
+  impl_->thread.join();
+}
+
+void FileWriter::Impl::run() {
+  setpriority(PRIO_PROCESS, 0, 5);  // of this thread: after the cycle and the link
+  for (bool is_last = false; !is_last;) {
+    std::vector<Job> work;
+    std::uint64_t ticket = 0;
+    {
+      std::unique_lock lock(mutex);
+      wake.wait_for(lock, kPollPeriod, [this] { return leaves || requested > completed || !jobs.empty(); });
+      work.swap(jobs);
+      ticket = requested;
+      is_last = leaves;
+    }
+    drain_tape();
+    for (const Job& job : work) {
+      if (const auto* model = std::get_if<ModelEvent>(&job)) save(*model);
+      else recording.write(std::get<wire::LinkRecord>(job));
+    }
+    {
+      const std::lock_guard lock(mutex);
+      completed = ticket;
+    }
+    done.notify_all();
+  }
+}
+
+void FileWriter::Impl::drain_tape() {
+  TickRecord record;
+  while (tape.ticks.pop(record)) {
+    cycle = record.cycle;
+    recording.write(record);
+    last_ticks.push_back(record);
+    if (last_ticks.size() > kKeptTicks) last_ticks.pop_front();
+    if (++ticks_written % kTicksPerFlush == 0) recording.flush();
+  }
+  Event event;
+  while (tape.events.pop(event))
+    if (const auto* fault = std::get_if<FaultEvent>(&event)) write_black_box(*fault);
+}
+
+void FileWriter::Impl::write_black_box(const FaultEvent& fault) {
+  const auto file = folder / ("blackbox-" + std::to_string(to_ns(fault.time) / 1'000'000) + "ms-fault" +
+                              std::to_string(static_cast<int>(fault.fault.code)) + ".mcap");
+  try {
+    TickRecording box(file, info);
+    for (const TickRecord& record : last_ticks) {
+      box.write(record);
+      box.write_frames(record);
+    }
+    std::fprintf(stderr, "arm_controller: fault %d: %s; last %zu cycles in %s\n", static_cast<int>(fault.fault.code),
+                 fault_text(fault.fault).c_str(), last_ticks.size(), file.c_str());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "arm_controller: black box: %s\n", e.what());
+  }
+}
+
+void FileWriter::Impl::save(const ModelEvent& model) {
+  try {
+    save_model_in_force(folder, robot, model);
+    saved_revision.store(model.model.revision, std::memory_order_release);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "arm_controller: %s\n", e.what());
+    save_failed.store(true, std::memory_order_release);
+  }
+}
+
+void FileWriter::Impl::post(Job job) {
+  {
+    const std::lock_guard lock(mutex);
+    jobs.push_back(std::move(job));
+  }
+  wake.notify_one();
+}
+
+void FileWriter::save_model(const ModelEvent& model) { impl_->post(model); }
+
+void FileWriter::record_link(bool to_controller, const std::string& peer, const wire::Envelope& envelope, Time now) {
+  wire::LinkRecord record;
+  record.set_to_controller(to_controller);
+  record.set_peer(peer);
+  *record.mutable_envelope() = envelope;
+  record.set_time_ns(to_ns(now));
+  impl_->post(std::move(record));
+}
+
+std::uint64_t FileWriter::saved_revision() const { return impl_->saved_revision.load(std::memory_order_acquire); }
+bool FileWriter::save_failed() const { return impl_->save_failed.load(std::memory_order_acquire); }
+
+void FileWriter::wait_idle() {
+  std::unique_lock lock(impl_->mutex);
+  const std::uint64_t ticket = ++impl_->requested;
+  impl_->wake.notify_all();
+  impl_->done.wait(lock, [&] { return impl_->completed >= ticket; });
+}
+
+}  // namespace armsight::arm

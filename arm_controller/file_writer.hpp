@@ -1,0 +1,38 @@
+// The third thread, low in priority: alone it touches files. It drains the tape of the cycle into ticks.mcap, keeps the
+// last kKeptTicks for the black box, and saves the model in force (atomically) before the link publishes it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "arm_controller/black_box.hpp"
+#include "arm_controller/messages.hpp"
+#include "protocol/arm_link.pb.h"
+#include "protocol/config.hpp"
+
+namespace armsight::arm {
+
+class FileWriter {
+ public:
+  /// Creates the folder and ticks.mcap; throws ConfigError where that cannot be.
+  FileWriter(const std::filesystem::path& state_folder, const RobotConfig& robot, const std::string& bus,
+             const std::string& configuration, Time now, Tape& tape);
+  ~FileWriter();
+
+  // Link thread only.
+  void save_model(const ModelEvent& model);
+  void record_link(bool to_controller, const std::string& peer, const wire::Envelope& envelope, Time now);
+  /// All revisions up to this one are on disk.
+  std::uint64_t saved_revision() const;
+  bool save_failed() const;
+  /// Returns when everything queued so far is done.
+  void wait_idle();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace armsight::arm

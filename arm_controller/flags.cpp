@@ -1,0 +1,102 @@
+#include "arm_controller/flags.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <string_view>
+
+namespace armsight::arm {
+
+const char* const kHelp =
+    "arm_controller: drives an arm on a CAN bus for one commanding host.\n"
+    "\n"
+    "  arm_controller --config FILE --listen ADDR:PORT --state DIR (--can IFACE | --bus emulated:PATH) [options]\n"
+    "\n"
+    "  --config FILE          robot file (arm_controller/config/ego_right_arm.yaml)\n"
+    "  --listen ADDR:PORT     loopback only; port 0: the system chooses, the program prints it\n"
+    "  --state DIR            model in force, recordings, black boxes\n"
+    "  --can IFACE            SocketCAN interface; implies real pace\n"
+    "  --bus emulated:PATH    bus of a running arm_sim\n"
+    "  --clock sim:PATH       simulated clock of that arm_sim; without it: this machine's\n"
+    "  --rate HZ              instead of the configured period: 250 or 500 on one classic bus\n"
+    "  --require-rt           refuse to run without SCHED_FIFO and locked memory\n"
+    "  --help\n"
+    "\n"
+    "Exit codes: 0 left as asked, 2 bad flag, file or configuration, 3 bus or simulated clock lost.\n";
+
+namespace {
+
+std::string after_prefix(const std::string& flag, const std::string& value, std::string_view prefix) {
+  if (value.size() <= prefix.size() || value.compare(0, prefix.size(), prefix) != 0)
+    throw FlagError(flag + " " + value + ": must be " + std::string(prefix) + "PATH");
+  return value.substr(prefix.size());
+}
+
+double rate(const std::string& value) {
+  char* end = nullptr;
+  const double hz = std::strtod(value.c_str(), &end);
+  if (*end != '\0' || !std::isfinite(hz) || hz < 50.0 || hz > 1000.0)
+    throw FlagError("--rate " + value + ": must be a number in [50, 1000]");
+  return hz;
+}
+
+void check_loopback(const std::string& address) {
+  const std::size_t colon = address.rfind(':');
+  const std::string host = colon == std::string::npos ? address : address.substr(0, colon);
+  const bool is_loopback = host == "localhost" || host == "::1" || host == "[::1]" || host.rfind("127.", 0) == 0;
+  if (colon == std::string::npos) throw FlagError("--listen " + address + ": must be ADDR:PORT");
+  if (!is_loopback)
+    throw FlagError("--listen " + address + ": the link has no encryption yet and is offered on loopback only " +
+                    "(127.0.0.1:PORT); reach it from elsewhere through an ssh tunnel");
+}
+
+void check(const Flags& flags) {
+  const auto need = [](const std::string& value, const char* flag) {
+    if (value.empty()) throw FlagError(std::string(flag) + " is missing (see --help)");
+  };
+  need(flags.config, "--config");
+  need(flags.listen, "--listen");
+  need(flags.state, "--state");
+  if (flags.can.empty() == flags.emulated_bus.empty())
+    throw FlagError("exactly one of --can IFACE and --bus emulated:PATH is needed (see --help)");
+  if (!flags.can.empty() && !flags.sim_clock.empty())
+    throw FlagError("--clock sim:PATH: a CAN interface runs at real pace only");
+  check_loopback(flags.listen);
+}
+
+}  // namespace
+
+Flags parse_flags(int argc, const char* const* argv) {
+  Flags flags;
+  const std::map<std::string, std::string*> texts{
+      {"--config", &flags.config}, {"--listen", &flags.listen}, {"--state", &flags.state}, {"--can", &flags.can}};
+  for (int i = 1; i < argc; ++i) {
+    std::string flag = argv[i], value;
+    if (flag == "--help") {
+      flags.help = true;
+      return flags;
+    }
+    if (flag == "--require-rt") {
+      flags.require_rt = true;
+      continue;
+    }
+    if (const std::size_t equals = flag.find('='); equals != std::string::npos) {
+      value = flag.substr(equals + 1);
+      flag.resize(equals);
+    } else if (i + 1 < argc) {
+      value = argv[++i];
+    }
+    const auto text = texts.find(flag);
+    const bool is_known = text != texts.end() || flag == "--bus" || flag == "--clock" || flag == "--rate";
+    if (!is_known) throw FlagError(flag + ": unknown flag (see --help)");
+    if (value.empty()) throw FlagError(flag + ": needs a value");
+    if (text != texts.end()) *text->second = value;
+    if (flag == "--bus") flags.emulated_bus = after_prefix(flag, value, "emulated:");
+    if (flag == "--clock") flags.sim_clock = after_prefix(flag, value, "sim:");
+    if (flag == "--rate") flags.rate_hz = rate(value);
+  }
+  check(flags);
+  return flags;
+}
+
+}  // namespace armsight::arm

@@ -1,0 +1,27 @@
+// The command line of the controller: a handful of flags, read by hand so that the arm computer needs no library for it.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace armsight::arm {
+
+struct Flags {
+  bool help = false, require_rt = false;
+  std::string config, listen, state;
+  std::string can;            ///< SocketCAN interface
+  std::string emulated_bus;   ///< path
+  std::string sim_clock;      ///< path
+  double rate_hz = 0.0;       ///< 0: as configured
+};
+
+/// Bad flag: exit code 2; what() says which, and which rule.
+class FlagError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+Flags parse_flags(int argc, const char* const* argv);
+extern const char* const kHelp;
+
+}  // namespace armsight::arm

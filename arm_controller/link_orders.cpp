@@ -1,0 +1,145 @@
+#include "arm_controller/link_orders.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "arm_controller/motion.hpp"
+#include "shared/inverse_kinematics.hpp"
+
+namespace armsight::arm {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+std::optional<Refused> check_range(const char* field, double value, double above, double at_most) {
+  const std::string is = std::string(field) + " = " + number(value);
+  if (!std::isfinite(value)) return Refused{wire::REFUSAL_REASON_NOT_FINITE, is + ": must be finite"};
+  if (value > above && value <= at_most) return std::nullopt;
+  return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS,
+                 is + ": must be above " + number(above) + " and at most " + number(at_most)};
+}
+
+std::optional<Refused> check_inside(const char* what, const JointVector& q, const JointLimits& limits) {
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    if (q[i] >= limits.min_rad[i] && q[i] <= limits.max_rad[i]) continue;
+    return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS,
+                   std::string(what) + "[" + std::to_string(i) + "] = " + number(q[i]) + " rad: must be in [" +
+                       number(limits.min_rad[i]) + ", " + number(limits.max_rad[i]) + "]"};
+  }
+  return std::nullopt;
+}
+
+std::optional<Refused> find_posture(const LinkView& view, const JointVector& seed, Goal& goal) {
+  const LearnedModel& model = view.state.model;
+  const Pose T_B_G = goal.kind == GoalKind::kPoseInBase ? goal.T_X_G : model.T_C_B.inverse() * goal.T_X_G;
+  JointVector min_rad, max_rad;
+  Motion::reading_limits(view.robot.arm.limits, model.beta, min_rad, max_rad);
+  const auto found = solve_ik(view.robot.arm.chain, min_rad + model.beta, max_rad + model.beta, T_B_G, seed);
+  if (!found)
+    return Refused{wire::REFUSAL_REASON_UNREACHABLE, "hand_goal: no posture inside the limits reaches (" +
+                                                         number(T_B_G.p.x()) + ", " + number(T_B_G.p.y()) + ", " +
+                                                         number(T_B_G.p.z()) + ") m in the base"};
+  if (found->orientation_error_rad > goal.orientation_tolerance_rad)
+    return Refused{wire::REFUSAL_REASON_UNREACHABLE,
+                   "hand_goal: the best posture misses the orientation by " + number(found->orientation_error_rad) +
+                       " rad, orientation_tolerance_rad is " + number(goal.orientation_tolerance_rad)};
+  goal.q_real_rad = found->q;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Refused> read_order(const wire::ModeRequest& in, ModeOrder& out) {
+  if (in.mode() != wire::MODE_READY && in.mode() != wire::MODE_HOLD)
+    return Refused{wire::REFUSAL_REASON_MALFORMED, "mode: only READY and HOLD can be asked for"};
+  out.wish = in.mode() == wire::MODE_HOLD ? PowerWish::kHold : PowerWish::kPowerOff;
+  out.clear_fault = in.clear_fault();
+  return std::nullopt;
+}
+
+std::optional<Refused> read_order(const wire::JointGoal& in, const LinkView& view, Goal& out) {
+  JointVector q;
+  if (auto no = from_wire(in.q_real_rad(), "q_real_rad", view.robot.arm.joint_count(), q)) return no;
+  if (auto no = check_range("speed_scale", in.speed_scale(), 0.0, 1.0)) return no;
+  if (auto no = check_inside("q_real_rad", q, view.robot.arm.limits)) return no;
+  if (auto no = check_inside("q_real_rad - beta", q - view.state.model.beta, view.robot.arm.limits)) return no;
+  out.kind = GoalKind::kJoints;
+  out.id = in.goal();
+  out.q_real_rad = q;
+  out.speed_scale = in.speed_scale();
+  out.T_X_G = {};
+  out.model_revision = view.state.model.revision;
+  return std::nullopt;
+}
+
+std::optional<Refused> read_order(const wire::PoseGoal& in, const LinkView& view, Goal& out) {
+  if (auto no = from_wire(in.hand_goal(), "hand_goal", out.T_X_G)) return no;
+  if (in.frame() != wire::GOAL_FRAME_BASE && in.frame() != wire::GOAL_FRAME_CAMERA)
+    return Refused{wire::REFUSAL_REASON_MALFORMED, "frame: must be BASE or CAMERA"};
+  if (auto no = check_range("position_tolerance_m", in.position_tolerance_m(), 0.0, 1.0)) return no;
+  if (auto no = check_range("orientation_tolerance_rad", in.orientation_tolerance_rad(), 0.0, 4.0)) return no;
+  if (auto no = check_range("speed_scale", in.speed_scale(), 0.0, 1.0)) return no;
+  JointVector seed = view.state.q_reading_rad + view.state.model.beta;
+  if (in.q_seed_rad_size() > 0)
+    if (auto no = from_wire(in.q_seed_rad(), "q_seed_rad", view.robot.arm.joint_count(), seed)) return no;
+  if (in.model_revision() != view.state.model.revision)
+    return Refused{wire::REFUSAL_REASON_STALE_MODEL,
+                   "model_revision = " + std::to_string(in.model_revision()) + ": revision " +
+                       std::to_string(view.state.model.revision) + " is in force"};
+  out.id = in.goal();
+  out.kind = in.frame() == wire::GOAL_FRAME_BASE ? GoalKind::kPoseInBase : GoalKind::kPoseInCamera;
+  out.model_revision = in.model_revision();
+  out.position_tolerance_m = in.position_tolerance_m();
+  out.orientation_tolerance_rad = in.orientation_tolerance_rad();
+  out.speed_scale = in.speed_scale();
+  return find_posture(view, seed, out);
+}
+
+std::optional<Refused> read_order(const wire::HandCommand& in, HandOrder& out) {
+  if (!std::isfinite(in.closure())) return Refused{wire::REFUSAL_REASON_NOT_FINITE, "closure: must be finite"};
+  if (in.closure() < 0.0 || in.closure() > 1.0)
+    return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS, "closure = " + number(in.closure()) + ": must be in [0, 1]"};
+  if (in.force_limit_permille() < 1 || in.force_limit_permille() > 1000)
+    return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS, "force_limit_permille: must be in [1, 1000]"};
+  out.closure = in.closure();
+  out.force_limit_permille = static_cast<std::uint16_t>(in.force_limit_permille());
+  return std::nullopt;
+}
+
+std::optional<Refused> read_order(const wire::HandPose& in, const LinkView& view, Look& out) {
+  HandPoseMeasurement& z = out.measurement;
+  if (auto no = from_wire(in.hand_in_camera(), "hand_in_camera", z.T_C_H)) return no;
+  z.has_second = in.has_hand_in_camera_second();
+  if (z.has_second)
+    if (auto no = from_wire(in.hand_in_camera_second(), "hand_in_camera_second", z.T_C_H_second)) return no;
+  StateMatrix covariance;
+  if (auto no = from_wire(in.covariance(), "covariance", 6, covariance)) return no;
+  z.R_vision = covariance;
+  if (in.marker_id() != static_cast<std::uint32_t>(view.robot.hand_marker.id))
+    return Refused{wire::REFUSAL_REASON_IMPLAUSIBLE, "marker_id = " + std::to_string(in.marker_id()) +
+                                                         ": the hand bears " +
+                                                         std::to_string(view.robot.hand_marker.id)};
+  if (!std::isfinite(in.reprojection_error_px()) || in.frames() == 0)
+    return Refused{wire::REFUSAL_REASON_MALFORMED, "reprojection_error_px must be finite, frames at least 1"};
+  z.q = JointVector::Zero(view.robot.arm.joint_count());
+  out.capture_time = time_from_ns(in.arm_capture_time_ns());
+  out.time_bound = Duration{in.time_bound_ns()};
+  return std::nullopt;
+}
+
+std::optional<Refused> read_order(const wire::ModelProposal& in, const LinkView& view, Proposal& out) {
+  const int joints = view.robot.arm.joint_count();
+  if (auto no = from_wire(in.base_in_camera(), "base_in_camera", out.model.T_C_B)) return no;
+  if (auto no = from_wire(in.beta_rad(), "beta_rad", joints, out.model.beta)) return no;
+  out.has_covariance = in.covariance_size() > 0;
+  if (out.has_covariance)
+    if (auto no = from_wire(in.covariance(), "covariance", 6 + joints, out.P)) return no;
+  out.parent_revision = in.parent_revision();
+  return std::nullopt;
+}
+
+}  // namespace armsight::arm

@@ -1,0 +1,157 @@
+// LinkServer, third part: what goes out.
+#include "arm_controller/link_reports.hpp"
+#include "arm_controller/link_server.hpp"
+#include "protocol/framing.hpp"
+
+namespace armsight::arm {
+namespace {
+
+constexpr Duration kStatePeriod = std::chrono::milliseconds(20);
+constexpr Duration kStatisticsPeriod = std::chrono::seconds(1);
+
+}  // namespace
+
+void LinkServer::send(LinkSession& peer, wire::Envelope& envelope, Time now) {
+  if (!peer.stream->is_open()) return;
+  envelope.set_protocol_version(wire::kProtocolVersion);
+  envelope.set_sequence(++peer.last_sent);
+  envelope.set_sent_time_ns(to_ns(now));
+  envelope.set_session(peer.session);
+  peer.stream->send(envelope.SerializeAsString());
+  files_.record_link(false, peer.stream->peer_name(), envelope, now);
+}
+
+void LinkServer::broadcast(wire::Envelope& envelope, Time now) {
+  for (auto& session : sessions_)
+    if (session->session != 0) send(*session, envelope, now);
+}
+
+void LinkServer::accept(const Message& m) {
+  wire::Envelope envelope;
+  envelope.mutable_accepted()->set_accepted_sequence(m.envelope.sequence());
+  send(m.peer, envelope, m.now);
+}
+
+void LinkServer::refuse(const Message& m, const Refused& why) {
+  send_refusal(m.peer, m.envelope.sequence(), why, m.now);
+}
+
+void LinkServer::send_refusal(LinkSession& peer, std::uint64_t sequence, const Refused& why, Time now) {
+  wire::Envelope envelope;
+  wire::Refusal& refusal = *envelope.mutable_refusal();
+  refusal.set_refused_sequence(sequence);
+  refusal.set_reason(why.reason);
+  refusal.set_text(why.text);
+  send(peer, envelope, now);
+}
+
+void LinkServer::protocol_error(LinkSession& peer, std::uint64_t sequence, const Refused& why, Time now) {
+  ++protocol_errors_;
+  send_refusal(peer, sequence, why, now);
+  if (++peer.protocol_errors >= LinkSession::kMaxProtocolErrors) peer.stream->close("five protocol errors");
+}
+
+void LinkServer::publish(Time now) {
+  take_events(now);
+  if (!unsaved_.empty() && clock_.is_lockstep()) files_.wait_idle();
+  publish_saved_models(now);
+  if (now >= next_state_) publish_state(now);
+  if (now >= next_statistics_) publish_statistics(now);
+}
+
+void LinkServer::take_events(Time now) {
+  if (const auto state = mailboxes_.state.take()) state_ = *state;
+  Event event;
+  while (mailboxes_.events.pop(event)) publish_event(event, now);
+}
+
+void LinkServer::publish_event(const Event& event, Time now) {
+  if (const auto* answer = std::get_if<AnswerEvent>(&event)) return publish_answer(*answer, now);
+  wire::Envelope envelope;
+  if (const auto* model = std::get_if<ModelEvent>(&event)) {
+    const bool is_new = model->source == ModelSource::kCalibration || model->source == ModelSource::kFilter;
+    if (is_new) files_.save_model(*model);
+    return unsaved_.push_back(*model);
+  }
+  if (const auto* goal = std::get_if<GoalEvent>(&event)) to_wire(*goal, *envelope.mutable_goal_status());
+  if (const auto* look = std::get_if<FilterEvent>(&event)) to_wire(*look, *envelope.mutable_filter_report());
+  if (const auto* fault = std::get_if<FaultEvent>(&event)) {
+    fault_ = *fault;
+    to_wire(*fault, *envelope.mutable_fault_report());
+  }
+  broadcast(envelope, now);
+}
+
+void LinkServer::publish_answer(const AnswerEvent& answer, Time now) {
+  for (auto& session : sessions_) {
+    if (session->session != answer.tag.session) continue;
+    if (answer.answer != Answer::kAccepted)
+      return send_refusal(*session, answer.tag.sequence, {to_wire(answer.answer), answer.text}, now);
+    wire::Envelope envelope;
+    envelope.mutable_accepted()->set_accepted_sequence(answer.tag.sequence);
+    return send(*session, envelope, now);
+  }
+}
+
+// Why saved first: a revision that a peer has seen must survive a crash, or numbers would be given twice.
+void LinkServer::publish_saved_models(Time now) {
+  if (files_.save_failed()) mailboxes_.model_not_saved.set();
+  while (!unsaved_.empty()) {
+    const ModelEvent& model = unsaved_.front();
+    const bool is_new = model.source == ModelSource::kCalibration || model.source == ModelSource::kFilter;
+    if (is_new && files_.saved_revision() < model.model.revision) return;
+    model_ = model;
+    unsaved_.pop_front();
+    wire::Envelope envelope;
+    to_wire(*model_, *envelope.mutable_model_update());
+    broadcast(envelope, now);
+  }
+}
+
+void LinkServer::publish_state(Time now) {
+  next_state_ = now + kStatePeriod - seconds_to_duration(0.5 * robot_.controller.period_s);
+  if (sessions_.empty() || !state_.has_positions) return;
+  wire::Envelope envelope;
+  to_wire(state_, *envelope.mutable_arm_state());
+  for (auto& session : sessions_) {
+    if (session->session == 0) continue;
+    envelope.mutable_arm_state()->set_has_lease(session->session == lease_.session);
+    send(*session, envelope, now);
+  }
+}
+
+void LinkServer::publish_statistics(Time now) {
+  next_statistics_ = now + kStatisticsPeriod - seconds_to_duration(0.5 * robot_.controller.period_s);
+  wire::Envelope envelope;
+  wire::ControllerStatistics& s = *envelope.mutable_statistics();
+  s.set_rate_hz(1.0 / robot_.controller.period_s);
+  s.set_cycles(statistics_.cycles.load(std::memory_order_relaxed));
+  s.set_missed(statistics_.missed.load(std::memory_order_relaxed));
+  s.set_tick_us_p50(statistics_.tick.quantile_us(0.5));
+  s.set_tick_us_p999(statistics_.tick.quantile_us(0.999));
+  s.set_looks_overflowed(mailboxes_.looks.overflows());
+  s.set_protocol_errors(protocol_errors_);
+  broadcast(envelope, now);
+}
+
+void LinkServer::greet(LinkSession& peer, Time now) {
+  if (model_) {
+    wire::Envelope envelope;
+    to_wire(*model_, *envelope.mutable_model_update());
+    send(peer, envelope, now);
+  }
+  if (fault_ && state_.fault.is_set()) {
+    wire::Envelope envelope;
+    to_wire(*fault_, *envelope.mutable_fault_report());
+    send(peer, envelope, now);
+  }
+}
+
+void LinkServer::close(Time now) {
+  wire::Envelope bye;
+  bye.mutable_bye();
+  broadcast(bye, now);
+  for (auto& session : sessions_) session->stream->close("the controller leaves");
+}
+
+}  // namespace armsight::arm

@@ -1,0 +1,117 @@
+#include "arm_controller/link_reports.hpp"
+
+#include "protocol/convert.hpp"
+
+namespace armsight::arm {
+namespace {
+
+wire::FusionOutcome outcome(const FilterEvent& event) {
+  if (event.look == LookOutcome::kNoJoints) return wire::FUSION_OUTCOME_NO_JOINTS;
+  if (event.look == LookOutcome::kMoving) return wire::FUSION_OUTCOME_MOVING;
+  switch (event.report.outcome) {
+    case FusionOutcome::kFused: return wire::FUSION_OUTCOME_FUSED;
+    case FusionOutcome::kFusedSecondSolution: return wire::FUSION_OUTCOME_FUSED_SECOND_SOLUTION;
+    case FusionOutcome::kRejectedByGate: return wire::FUSION_OUTCOME_REJECTED_BY_GATE;
+    case FusionOutcome::kIllConditioned: return wire::FUSION_OUTCOME_ILL_CONDITIONED;
+    case FusionOutcome::kNotFinite: break;
+  }
+  return wire::FUSION_OUTCOME_NOT_FINITE;
+}
+
+const char* source_text(ModelSource source) {
+  switch (source) {
+    case ModelSource::kNominal: return "nominal";
+    case ModelSource::kLoaded: return "loaded";
+    case ModelSource::kCalibration: return "calibration";
+    case ModelSource::kFilter: break;
+  }
+  return "filter";
+}
+
+void put(const Vector3& v, wire::Vector3* out) {
+  out->set_x(v.x());
+  out->set_y(v.y());
+  out->set_z(v.z());
+}
+
+}  // namespace
+
+wire::Mode to_wire(Mode mode) { return static_cast<wire::Mode>(static_cast<int>(mode) + 1); }
+static_assert(static_cast<int>(Mode::kRecovering) + 1 == static_cast<int>(wire::MODE_RECOVERING));
+static_assert(static_cast<int>(Mode::kServo) + 1 == static_cast<int>(wire::MODE_SERVO));
+
+wire::RefusalReason to_wire(Answer answer) {
+  switch (answer) {
+    case Answer::kAccepted: break;
+    case Answer::kWrongState: return wire::REFUSAL_REASON_WRONG_STATE;
+    case Answer::kStaleModel: return wire::REFUSAL_REASON_STALE_MODEL;
+    case Answer::kImplausible: return wire::REFUSAL_REASON_IMPLAUSIBLE;
+    case Answer::kOutOfLimits: return wire::REFUSAL_REASON_OUT_OF_LIMITS;
+    case Answer::kTime: return wire::REFUSAL_REASON_TIME;
+    case Answer::kMoving: return wire::REFUSAL_REASON_MOVING;
+    case Answer::kNoLease: return wire::REFUSAL_REASON_NO_LEASE;
+  }
+  return wire::REFUSAL_REASON_UNSPECIFIED;
+}
+
+void to_wire(const ArmSnapshot& state, wire::ArmState& out) {
+  out.set_arm_time_ns(to_ns(state.time));
+  out.set_mode(to_wire(state.mode));
+  armsight::to_wire(state.q_reading_rad, out.mutable_q_reading_rad());
+  armsight::to_wire(state.speed_rad_s, out.mutable_speed_rad_s());
+  armsight::to_wire(state.q_command_rad, out.mutable_q_command_rad());
+  armsight::to_wire(state.torque_Nm, out.mutable_torque_nm());
+  out.set_hand_closure(state.hand_closure);
+  out.set_hand_effort_permille(state.hand_effort_permille);
+  out.set_hand_is_moving(state.hand_is_moving);
+  out.set_is_still(state.is_still);
+  out.set_model_revision(state.model.revision);
+  out.set_goal(state.goal);
+  out.set_fault_code(static_cast<std::uint32_t>(state.fault.code));
+}
+
+void to_wire(const GoalEvent& event, wire::GoalStatus& out) {
+  out.set_goal(event.goal);
+  out.set_state(static_cast<wire::GoalState>(static_cast<int>(event.state) + 1));
+  out.set_position_error_m(event.position_error_m);
+  out.set_orientation_error_rad(event.orientation_error_rad);
+  out.set_model_revision(event.model_revision);
+  out.set_arm_time_ns(to_ns(event.time));
+  armsight::to_wire(event.q_reading_rad, out.mutable_q_reading_rad());
+  out.set_text(event.text);
+}
+static_assert(static_cast<int>(GoalState::kReplaced) + 1 == static_cast<int>(wire::GOAL_STATE_REPLACED));
+
+void to_wire(const FilterEvent& event, wire::FilterReport& out) {
+  out.set_outcome(outcome(event));
+  for (int i = 0; i < 6; ++i) out.add_innovation(event.report.innovation[i]);
+  out.set_nis(event.report.nis);
+  out.set_cost(event.report.cost);
+  out.set_gain_norm(event.report.gain_norm);
+  out.set_iterations(static_cast<std::uint32_t>(event.report.iterations));
+  out.set_model_revision(event.model_revision);
+  put(event.delta_t_m, out.mutable_delta_t_m());
+  put(event.delta_theta_rad, out.mutable_delta_theta_rad());
+  armsight::to_wire(event.delta_beta_rad, out.mutable_delta_beta_rad());
+  out.set_arm_capture_time_ns(to_ns(event.capture_time));
+  armsight::to_wire(event.q_reading_rad, out.mutable_q_reading_rad());
+  for (int i = 0; i < 6; ++i) out.add_hand_sigma(event.hand_sigma[i]);
+}
+
+void to_wire(const ModelEvent& event, wire::ModelUpdate& out) {
+  out.set_revision(event.model.revision);
+  armsight::to_wire(event.model.T_C_B, out.mutable_base_in_camera());
+  armsight::to_wire(event.model.beta, out.mutable_beta_rad());
+  armsight::to_wire(event.P, out.mutable_covariance());
+  out.set_source(source_text(event.source));
+  out.set_arm_time_ns(to_ns(event.time));
+}
+
+void to_wire(const FaultEvent& event, wire::FaultReport& out) {
+  out.set_code(static_cast<std::uint32_t>(event.fault.code));
+  out.set_text(fault_text(event.fault));
+  out.set_side(fault_side(event.fault.code));
+  out.set_arm_time_ns(to_ns(event.time));
+}
+
+}  // namespace armsight::arm

@@ -1,0 +1,18 @@
+// What the tick says → wire messages.
+#pragma once
+
+#include "arm_controller/messages.hpp"
+#include "arm_controller/statistics.hpp"
+#include "protocol/arm_link.pb.h"
+
+namespace armsight::arm {
+
+void to_wire(const ArmSnapshot& state, wire::ArmState& out);
+void to_wire(const GoalEvent& event, wire::GoalStatus& out);
+void to_wire(const FilterEvent& event, wire::FilterReport& out);
+void to_wire(const ModelEvent& event, wire::ModelUpdate& out);
+void to_wire(const FaultEvent& event, wire::FaultReport& out);
+wire::Mode to_wire(Mode mode);
+wire::RefusalReason to_wire(Answer answer);
+
+}  // namespace armsight::arm

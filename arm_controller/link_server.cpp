@@ -1,0 +1,193 @@
+#include "arm_controller/link_server.hpp"
+
+#include "protocol/framing.hpp"
+
+namespace armsight::arm {
+namespace {
+
+constexpr const char* kProgram = "arm_controller 0.1.0";
+
+std::uint32_t sim_participant(std::string_view payload) {
+  wire::Envelope envelope;
+  if (!envelope.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return 0;
+  return envelope.has_hello() ? envelope.hello().sim_participant() : 0;
+}
+
+/// Sessions of different runs must differ, or a recording could command (splitmix64 of the start).
+std::uint64_t scramble(std::uint64_t x) {
+  x += 0x9E3779B97F4A7C15u;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  return (x ^ (x >> 31)) | 1u;
+}
+
+std::string version_text(std::uint32_t version) {
+  return std::to_string(version / 100) + "." + std::to_string(version % 100);
+}
+
+}  // namespace
+
+LinkServer::LinkServer(const std::string& address, const RobotConfig& robot, const std::string& bus,
+                       Mailboxes& mailboxes, const LoopStatistics& statistics, FileWriter& files, net::Clock& clock)
+    : robot_(robot), model_hash_(model_hash(robot)), bus_(bus), mailboxes_(mailboxes), statistics_(statistics),
+      files_(files), clock_(clock),
+      server_(address, net::ChannelKind::kLink, net::StreamOptions{}, clock, sim_participant),
+      next_session_(static_cast<std::uint64_t>(to_ns(clock.now()))),
+      lease_length_(seconds_to_duration(robot.controller.lease_s)) {
+  state_.q_reading_rad = JointVector::Zero(robot.arm.joint_count());
+  state_.model.beta = state_.q_reading_rad;
+}
+
+void LinkServer::step(Time now) {
+  take_events(now);
+  for (const auto& event : server_.receive()) {
+    if (event.is_closed) forget(event.stream);
+    else handle(session_of(event.stream), event.message, now);
+  }
+  if (lease_.session != 0 && now > lease_.until) end_lease("lease ended: the commander was silent too long", now);
+}
+
+LinkSession& LinkServer::session_of(net::FramedStream* stream) {
+  for (auto& session : sessions_)
+    if (session->stream == stream) return *session;
+  sessions_.push_back(std::make_unique<LinkSession>());
+  sessions_.back()->stream = stream;
+  return *sessions_.back();
+}
+
+void LinkServer::forget(net::FramedStream* stream) {
+  for (auto& session : sessions_)
+    if (session->stream == stream && session->session != 0 && session->session == lease_.session)
+      end_lease("lease ended: the commander's connection closed", clock_.now());
+  std::erase_if(sessions_, [stream](const auto& session) { return session->stream == stream; });
+}
+
+void LinkServer::handle(LinkSession& peer, const net::Received& received, Time now) {
+  if (!peer.stream->is_open()) return;
+  wire::Envelope envelope;
+  if (!envelope.ParseFromString(received.payload))
+    return protocol_error(peer, 0, {wire::REFUSAL_REASON_MALFORMED, "the frame holds no Envelope"}, now);
+  files_.record_link(true, peer.stream->peer_name(), envelope, now);
+  const Message m{peer, envelope, received.arrival, now};
+  if (envelope.has_stop()) {  // from everybody, with or without session, sequence, lease
+    mailboxes_.stop.set();
+    return accept(m);
+  }
+  if (check_order_of_messages(m)) dispatch(m);
+}
+
+bool LinkServer::check_order_of_messages(const Message& m) {
+  const wire::Envelope& e = m.envelope;
+  const auto no = [&](wire::RefusalReason reason, const std::string& text) {
+    protocol_error(m.peer, e.sequence(), {reason, text}, m.now);
+    return false;
+  };
+  if (e.protocol_version() / 100 != wire::kProtocolVersion / 100) {
+    no(wire::REFUSAL_REASON_VERSION, "peer speaks protocol " + version_text(e.protocol_version()) +
+                                         ", the controller " + version_text(wire::kProtocolVersion));
+    m.peer.stream->close("protocol version");
+    return false;
+  }
+  if (m.peer.session == 0 && !e.has_hello())
+    return no(wire::REFUSAL_REASON_NO_HELLO, "the first message must be Hello");
+  if (e.session() != m.peer.session)
+    return no(wire::REFUSAL_REASON_SESSION, "session = " + std::to_string(e.session()) + ": not this connection's");
+  if (e.sequence() <= m.peer.last_received)
+    return no(wire::REFUSAL_REASON_SEQUENCE, "sequence = " + std::to_string(e.sequence()) + ": must be above " +
+                                                 std::to_string(m.peer.last_received));
+  m.peer.last_received = e.sequence();
+  return true;
+}
+
+void LinkServer::dispatch(const Message& m) {
+  renew_lease(m);
+  switch (m.envelope.body_case()) {
+    case wire::Envelope::kHello: return on_hello(m);
+    case wire::Envelope::kHeartbeat: return on_heartbeat(m);
+    case wire::Envelope::kBye:
+      if (m.peer.session == lease_.session) end_lease("lease ended: the commander left", m.now);
+      return m.peer.stream->close("bye");
+    case wire::Envelope::kLeaseRequest: return on_lease(m);
+    case wire::Envelope::kModeRequest:
+    case wire::Envelope::kJointGoal:
+    case wire::Envelope::kPoseGoal:
+    case wire::Envelope::kHandCommand:
+    case wire::Envelope::kHandPose:
+    case wire::Envelope::kRecalibrationStart:
+    case wire::Envelope::kModelProposal:
+      if (m.peer.session == lease_.session) return on_command(m);
+      return refuse(m, {wire::REFUSAL_REASON_NO_LEASE, "commands need the lease: send LeaseRequest first"});
+    default: break;
+  }
+  protocol_error(m.peer, m.envelope.sequence(),
+                 {wire::REFUSAL_REASON_MALFORMED, "no body, or one that a controller does not take"}, m.now);
+}
+
+void LinkServer::on_hello(const Message& m) {
+  const wire::Hello& hello = m.envelope.hello();
+  if (m.peer.session != 0) return refuse(m, {wire::REFUSAL_REASON_SESSION, "Hello was said already"});
+  m.peer.may_command = hello.role() == wire::ROLE_COMMAND;
+  if (m.peer.may_command && hello.model_hash() != model_hash_) {
+    refuse(m, {wire::REFUSAL_REASON_MODEL_HASH, "model_hash = " + std::to_string(hello.model_hash()) + ", here " +
+                                                    std::to_string(model_hash_) +
+                                                    ": the two robot files describe different arms"});
+    return m.peer.stream->close("model hash");
+  }
+  m.peer.session = scramble(next_session_++);
+  wire::Envelope envelope;
+  wire::HelloReply& reply = *envelope.mutable_hello_reply();
+  reply.set_protocol_version(wire::kProtocolVersion);
+  reply.set_program(kProgram);
+  reply.set_model_hash(model_hash_);
+  reply.set_session(m.peer.session);
+  reply.set_lease_ns(lease_length_.count());
+  reply.set_robot(robot_.robot);
+  reply.set_joint_count(static_cast<std::uint32_t>(robot_.arm.joint_count()));
+  reply.set_rate_hz(1.0 / robot_.controller.period_s);
+  reply.set_bus(bus_);
+  send(m.peer, envelope, m.now);
+  greet(m.peer, m.now);
+}
+
+void LinkServer::on_heartbeat(const Message& m) {
+  m.peer.age(m.arrival, m.envelope.sent_time_ns());
+  wire::Envelope envelope;
+  wire::HeartbeatReply& reply = *envelope.mutable_heartbeat_reply();
+  reply.set_host_send_time_ns(m.envelope.heartbeat().host_send_time_ns());
+  reply.set_arm_receive_time_ns(to_ns(m.arrival));
+  reply.set_arm_send_time_ns(to_ns(clock_.now()));
+  send(m.peer, envelope, m.now);
+}
+
+void LinkServer::on_lease(const Message& m) {
+  const bool is_holder = lease_.session == m.peer.session;
+  if (!m.peer.may_command)
+    return refuse(m, {wire::REFUSAL_REASON_NO_LEASE, "this session observes: say Hello with ROLE_COMMAND"});
+  if (m.envelope.lease_request().release()) {
+    if (is_holder) end_lease("lease released", m.now);
+    return accept(m);
+  }
+  if (lease_.session != 0 && !is_holder)
+    return refuse(m, {wire::REFUSAL_REASON_LEASE_TAKEN, "another session commands"});
+  lease_ = {m.peer.session, m.arrival + lease_length_};
+  post_lease();
+  accept(m);
+}
+
+void LinkServer::renew_lease(const Message& m) {
+  if (m.peer.session == 0 || m.peer.session != lease_.session) return;
+  lease_.until = m.arrival + lease_length_;
+  post_lease();
+}
+
+void LinkServer::end_lease(const char* why, Time now) {
+  const std::uint64_t holder = lease_.session;
+  lease_ = {};
+  post_lease();
+  for (auto& session : sessions_)
+    if (session->session == holder) send_refusal(*session, 0, {wire::REFUSAL_REASON_NO_LEASE, why}, now);
+}
+
+void LinkServer::post_lease() { mailboxes_.lease.put(lease_); }
+
+}  // namespace armsight::arm

@@ -1,0 +1,68 @@
+// How the joints get to a goal: a reference inside all limits (JointServo; for pose goals the last piece by PoseServo on
+// the corrected model), and a slow trim that takes away what the drives leave between reference and encoder.
+//
+//   kTravel ─at posture─► kApproach (pose goals) ─no speed left─► kSettle ─still, trimmed─► arrived
+//
+// A pose goal given in the camera is mapped to the base by the model in force, and mapped again when that changes on
+// the way; one given in the base, and a joint goal, keep their meaning.
+#pragma once
+
+#include <optional>
+
+#include "arm_controller/messages.hpp"
+#include "arm_controller/stillness.hpp"
+#include "protocol/config.hpp"
+#include "shared/joint_servo.hpp"
+#include "shared/pose_servo.hpp"
+
+namespace armsight::arm {
+
+enum class Progress : std::uint8_t { kMoving, kArrived, kGivenUp };
+
+class Motion {
+ public:
+  explicit Motion(const RobotConfig& robot);
+
+  /// Stands at this reading: reference := actual, no trim.
+  void stand_at(const JointVector& q_reading) noexcept;
+  void start(const Goal& goal, const LearnedModel& model) noexcept;
+  void model_changed(const LearnedModel& model) noexcept;
+  Progress step_to_goal(const LearnedModel& model, const StillnessWatch& measured) noexcept;
+  void step_to_rest() noexcept;
+
+  bool is_at_rest() const noexcept { return servo_.is_at_rest(); }
+  /// Reference plus trim, inside the limits: what goes to the drives.
+  JointVector command_rad() const noexcept;
+  /// Of the model's hand pose at a reading against the goal: metres, radians.
+  void errors_at(const JointVector& q_reading, const LearnedModel& model, double& position_m,
+                 double& orientation_rad) const noexcept;
+
+  /// Limits of readings so that both q and q + beta stay inside.
+  static void reading_limits(const JointLimits& limits, const JointVector& beta, JointVector& min_rad,
+                             JointVector& max_rad) noexcept;
+
+ private:
+  enum class Phase : std::uint8_t { kTravel, kApproach, kSettle };
+  void enter(Phase phase) noexcept;
+  void step_travel() noexcept;
+  void step_approach(const LearnedModel& model) noexcept;
+  Progress step_settle(const LearnedModel& model, const StillnessWatch& measured) noexcept;
+  bool is_within_tolerance(const LearnedModel& model, const JointVector& q_reading) const noexcept;
+
+  SerialChain chain_;
+  JointLimits limits_;
+  double period_s_, goal_tolerance_rad_;
+  JointServo servo_;
+  PoseServoOptions pose_options_;
+  JointVector trim_;
+
+  Goal goal_;
+  JointVector target_reading_;
+  Pose T_B_G_;                ///< as asked for
+  Pose T_B_reachable_;        ///< same place, the nearest orientation that the joints allow
+  Pose T_C_G_, T_C_reachable_;
+  Phase phase_ = Phase::kTravel;
+  double phase_s_ = 0.0;
+};
+
+}  // namespace armsight::arm

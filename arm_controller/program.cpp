@@ -1,0 +1,145 @@
+#include "arm_controller/program.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "arm_controller/emulated_bus.hpp"
+#include "arm_controller/real_time.hpp"
+#include "arm_controller/socket_can.hpp"
+#include "arm_controller/state_folder.hpp"
+
+namespace armsight::arm {
+namespace {
+
+constexpr Duration kLongestStop = std::chrono::seconds(5);
+constexpr Duration kLinkPeriod = std::chrono::milliseconds(2);
+constexpr int kRoleController = 1;
+
+RobotConfig load(const Flags& flags) {
+  RobotConfig robot = load_robot(flags.config);
+  if (flags.rate_hz > 0.0) robot.controller.period_s = 1.0 / flags.rate_hz;
+  return robot;
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::unique_ptr<net::Clock> make_clock(const Flags& flags, const RobotConfig& robot) {
+  const Duration period = seconds_to_duration(robot.controller.period_s);
+  if (flags.sim_clock.empty()) return net::make_monotonic_clock(period);
+  try {
+    return net::join_sim_clock(flags.sim_clock, "arm_controller", kRoleController, period);
+  } catch (const std::exception& e) {
+    throw BusError(e.what());
+  }
+}
+
+std::unique_ptr<CanBus> make_bus(const Flags& flags, net::Clock& clock) {
+  if (!flags.can.empty()) return open_socket_can(flags.can, clock);
+  try {
+    return join_emulated_bus(flags.emulated_bus, clock);
+  } catch (const std::exception& e) {
+    throw BusError(e.what());
+  }
+}
+
+}  // namespace
+
+Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), robot_(load(flags)) {
+  prepare_state_folder(flags.state);
+  start_ = load_model_in_force(flags.state, robot_);
+  clock_ = make_clock(flags, robot_);
+  bus_ = make_bus(flags, *clock_);
+  const bool is_emulated = flags.can.empty();
+  const std::string bus = is_emulated ? "emulated" : "socketcan " + flags.can;
+  files_ = std::make_unique<FileWriter>(flags.state, robot_, bus, text_of(flags.config), clock_->now(), tape_);
+  link_ = std::make_unique<LinkServer>(flags.listen, robot_, bus, mailboxes_, statistics_, *files_, *clock_);
+  loop_ = std::make_unique<ControlLoop>(robot_, start_, *bus_, mailboxes_, tape_, statistics_);
+  std::printf("arm_controller: bus %s (%s, %g Mbit/s)\n", bus_->name().c_str(), is_emulated ? "emulated" : "SocketCAN",
+              1e-6 * robot_.controller.bus_bitrate_bit_s);
+  std::printf("arm_controller: listening on %s:%u\n", flags.listen.substr(0, flags.listen.rfind(':')).c_str(),
+              static_cast<unsigned>(link_->port()));
+}
+
+Program::~Program() = default;
+
+int Program::run(const std::atomic<bool>& leaves) {
+  return clock_->is_lockstep() ? run_lockstep(leaves) : run_real(leaves);
+}
+
+// The arm is brought to rest before the program goes; a stop that takes too long is given to the drives.
+bool Program::is_done(const std::atomic<bool>& leaves, Time now) {
+  if (loop_->bus_is_lost()) {
+    exit_code_ = 3;
+    return true;
+  }
+  if (!leaves) return false;
+  if (!leave_by_) {
+    mailboxes_.stop.set();
+    leave_by_ = now + kLongestStop;
+    return false;
+  }
+  const bool is_moving = loop_->mode() == Mode::kServo || loop_->mode() == Mode::kStopping;
+  return !is_moving || now > *leave_by_;
+}
+
+void Program::say_goodbye() { link_->close(clock_->now()); }
+
+int Program::run_lockstep(const std::atomic<bool>& leaves) {
+  while (true) {
+    const Time now = clock_->wait_next_cycle();
+    link_->step(now);
+    loop_->cycle(now, clock_->missed());
+    link_->publish(now);
+    // Simulated time runs as fast as it can: the tape must not lose ticks because the disk is slow.
+    if (tape_.ticks.size() > decltype(tape_.ticks)::capacity() / 2) files_->wait_idle();
+    if (is_done(leaves, now)) break;
+  }
+  if (exit_code_ == 0) loop_->leave(clock_->now());
+  say_goodbye();
+  return exit_code_;
+}
+
+int Program::run_real(const std::atomic<bool>& leaves) {
+  std::thread cycle([this, &leaves] { cycle_thread(leaves); });
+  while (!cycle_ended_) {
+    const std::vector<int> descriptors = link_->descriptors();
+    net::wait_readable(descriptors, kLinkPeriod);
+    link_->step(clock_->now());
+    link_->publish(clock_->now());
+  }
+  cycle.join();
+  link_->publish(clock_->now());
+  say_goodbye();
+  return exit_code_;
+}
+
+void Program::cycle_thread(const std::atomic<bool>& leaves) {
+  const std::vector<std::string> refused = become_real_time();
+  for (const std::string& sentence : refused) std::fprintf(stderr, "arm_controller: %s\n", sentence.c_str());
+  if (requires_real_time_ && !refused.empty()) {
+    std::fprintf(stderr, "arm_controller: --require-rt: not granted, see above\n");
+    exit_code_ = 2;
+  }
+  try {
+    while (exit_code_ != 2) {
+      const Time now = clock_->wait_next_cycle();
+      loop_->cycle(now, clock_->missed());
+      if (is_done(leaves, now)) break;
+    }
+    if (exit_code_ == 0) loop_->leave(clock_->now());
+  } catch (const net::ClockLost& e) {
+    std::fprintf(stderr, "arm_controller: %s\n", e.what());
+    exit_code_ = 3;
+  }
+  cycle_ended_ = true;
+}
+
+}  // namespace armsight::arm

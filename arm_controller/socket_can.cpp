@@ -1,0 +1,189 @@
+#include "arm_controller/socket_can.hpp"
+
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/uio.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+namespace armsight::arm {
+namespace {
+
+std::string reason() { return std::strerror(errno); }
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+template <typename T>
+void set_option(int fd, int level, int option, const T& value, const char* what) {
+  if (::setsockopt(fd, level, option, &value, sizeof value) != 0)
+    throw BusError(std::string("CAN socket option ") + what + ": " + reason());
+}
+
+std::int64_t clock_ns(clockid_t id) {
+  timespec t{};
+  clock_gettime(id, &t);
+  return 1'000'000'000LL * t.tv_sec + t.tv_nsec;
+}
+
+/// Answers and samples of nodes 1 … 127, emergencies, heartbeats, and our own SYNC back.
+void set_filters(int fd) {
+  const std::array<can_filter, 5> filters{{{kSyncId, CAN_SFF_MASK & ~0x7Fu},
+                                           {kTpdo1Base, CAN_SFF_MASK & ~0x7Fu},
+                                           {kSdoAnswerBase, CAN_SFF_MASK & ~0x7Fu},
+                                           {kHeartbeatBase, CAN_SFF_MASK & ~0x7Fu},
+                                           {0x280, CAN_SFF_MASK & ~0x7Fu}}};
+  set_option(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters, "CAN_RAW_FILTER");
+}
+
+class SocketCan final : public CanBus {
+ public:
+  SocketCan(int fd, const std::string& interface, net::Clock& clock)
+      : fd_(fd), name_("socketcan:" + interface), clock_(clock) {}
+
+  SendResult send(const CanFrame& frame) noexcept override {
+    can_frame raw{};
+    raw.can_id = frame.id;
+    raw.can_dlc = frame.size;
+    std::copy(frame.data.begin(), frame.data.end(), raw.data);
+    if (::write(fd_.get(), &raw, sizeof raw) == sizeof raw) return SendResult::kSent;
+    ++errors_.send_failures;
+    if (errno == ENOBUFS || errno == EAGAIN) return SendResult::kQueueFull;
+    if (errno == ENODEV || errno == ENXIO) errors_.lost = true;
+    return SendResult::kBusDown;
+  }
+
+  bool receive(BusFrame& frame) noexcept override {
+    can_frame raw;
+    Time time;
+    bool is_own = false;
+    while (read_one(raw, time, is_own)) {
+      if (raw.can_id & CAN_ERR_FLAG) {
+        note_error(raw);
+        continue;
+      }
+      if (raw.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) continue;  // nobody of ours speaks so
+      frame.frame.id = raw.can_id & CAN_SFF_MASK;
+      frame.frame.size = std::min<std::uint8_t>(raw.can_dlc, 8);
+      std::copy(std::begin(raw.data), std::end(raw.data), frame.frame.data.begin());
+      frame.time = time;
+      frame.is_own_echo = is_own;
+      return true;
+    }
+    return false;
+  }
+
+  BusErrors take_errors() noexcept override {
+    const BusErrors taken = errors_;
+    errors_ = {};
+    errors_.lost = taken.lost;
+    return taken;
+  }
+
+  const std::string& name() const override { return name_; }
+
+ private:
+  bool read_one(can_frame& raw, Time& time, bool& is_own) noexcept;
+  void note_error(const can_frame& raw) noexcept;
+  Time own_time(const msghdr& message) noexcept;
+
+  Descriptor fd_;
+  std::string name_;
+  net::Clock& clock_;
+  BusErrors errors_;
+  std::uint32_t kernel_overflows_ = 0;
+};
+
+bool SocketCan::read_one(can_frame& raw, Time& time, bool& is_own) noexcept {
+  alignas(cmsghdr) char control[256];
+  iovec part{&raw, sizeof raw};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  const ssize_t size = ::recvmsg(fd_.get(), &message, MSG_DONTWAIT);
+  if (size < 0 && (errno == ENETDOWN || errno == ENODEV)) errors_.lost = true;
+  if (size != static_cast<ssize_t>(sizeof raw)) return false;
+  is_own = (message.msg_flags & MSG_CONFIRM) != 0;  // set by the kernel on frames of this very socket
+  time = own_time(message);
+  return true;
+}
+
+// Kernel stamps are wall clock, and wall clocks step: the age of the stamp, taken now, is what is used.
+Time SocketCan::own_time(const msghdr& message) noexcept {
+  std::int64_t age_ns = 0;
+  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c; c = CMSG_NXTHDR(const_cast<msghdr*>(&message), c)) {
+    if (c->cmsg_level != SOL_SOCKET) continue;
+    if (c->cmsg_type == SO_TIMESTAMPNS) {
+      timespec t{};
+      std::memcpy(&t, CMSG_DATA(c), sizeof t);
+      age_ns = clock_ns(CLOCK_REALTIME) - (1'000'000'000LL * t.tv_sec + t.tv_nsec);
+    } else if (c->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t total = 0;
+      std::memcpy(&total, CMSG_DATA(c), sizeof total);
+      errors_.receive_overflows += total - kernel_overflows_;
+      kernel_overflows_ = total;
+    }
+  }
+  constexpr std::int64_t kOldest_ns = 100'000'000;  // older: the wall clock was set in between
+  return clock_.now() - Duration{age_ns >= 0 && age_ns < kOldest_ns ? age_ns : 0};
+}
+
+void SocketCan::note_error(const can_frame& raw) noexcept {
+  ++errors_.error_frames;
+  if (raw.can_id & CAN_ERR_BUSOFF) errors_.bus_off = true;
+  if ((raw.can_id & CAN_ERR_CRTL) && (raw.data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)))
+    errors_.error_passive = true;
+  if ((raw.can_id & CAN_ERR_CRTL) && (raw.data[1] & CAN_ERR_CRTL_RX_OVERFLOW)) ++errors_.receive_overflows;
+}
+
+}  // namespace
+
+std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock) {
+  const std::string what = "CAN interface '" + interface + "': ";
+  if (interface.empty() || interface.size() >= IFNAMSIZ) throw BusError(what + "no name of a network interface");
+  const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
+  if (fd < 0 && errno == EAFNOSUPPORT) throw BusError(what + "this kernel has no CAN (AF_CAN is not supported)");
+  if (fd < 0) throw BusError(what + reason());
+  auto bus = std::make_unique<SocketCan>(fd, interface, clock);  // closes fd, whatever follows
+  ifreq request{};
+  std::copy(interface.begin(), interface.end(), request.ifr_name);
+  if (::ioctl(fd, SIOCGIFINDEX, &request) != 0) throw BusError(what + reason());
+  const int index = request.ifr_ifindex;
+  if (::ioctl(fd, SIOCGIFFLAGS, &request) != 0) throw BusError(what + reason());
+  if (!(request.ifr_flags & IFF_UP)) throw BusError(what + "it is down (ip link set " + interface + " up)");
+  set_option(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, can_err_mask_t{CAN_ERR_MASK}, "CAN_RAW_ERR_FILTER");
+  set_option(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, int{1}, "CAN_RAW_RECV_OWN_MSGS");
+  set_option(fd, SOL_SOCKET, SO_TIMESTAMPNS, int{1}, "SO_TIMESTAMPNS");
+  set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, int{1}, "SO_RXQ_OVFL");
+  set_filters(fd);
+  sockaddr_can address{};
+  address.can_family = AF_CAN;
+  address.can_ifindex = index;
+  if (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) throw BusError(what + reason());
+  return bus;
+}
+
+}  // namespace armsight::arm

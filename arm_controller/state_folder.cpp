@@ -1,0 +1,53 @@
+#include "arm_controller/state_folder.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include "protocol/atomic_file.hpp"
+#include "protocol/model_file.hpp"
+
+namespace armsight::arm {
+namespace {
+
+std::filesystem::path model_path(const std::filesystem::path& folder) { return folder / "model.yaml"; }
+
+}  // namespace
+
+void prepare_state_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder))
+    throw ConfigError("--state " + folder.string() + ": no folder can be made there: " + error.message());
+}
+
+StartModel load_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot) {
+  const int joints = robot.arm.joint_count();
+  if (!std::filesystem::exists(model_path(folder)))
+    return {{0, robot.camera_hint_T_C_B, JointVector::Zero(joints)}, std::nullopt, ModelSource::kNominal};
+  std::ifstream in(model_path(folder));
+  std::stringstream text;
+  text << in.rdbuf();
+  if (!in) throw ConfigError(model_path(folder).string() + ": cannot be read");
+  const ModelFile file =
+      parse_model_file(text.str(), model_path(folder).string(), {robot.robot, model_hash(robot), joints});
+  return {file.model, file.covariance, ModelSource::kLoaded};
+}
+
+void save_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot, const ModelEvent& model) {
+  ModelFile file;
+  file.robot = robot.robot;
+  file.model_hash = model_hash(robot);
+  file.model = model.model;
+  file.covariance = model.P;
+  file.source = model.source == ModelSource::kFilter ? "filter" : "calibration";
+  write_file_atomically(model_path(folder), to_text(file));
+}
+
+std::filesystem::path new_recording_file(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "ticks.mcap";
+  std::error_code ignored_if_there_is_none;
+  std::filesystem::rename(file, folder / "ticks-previous.mcap", ignored_if_there_is_none);
+  return file;
+}
+
+}  // namespace armsight::arm

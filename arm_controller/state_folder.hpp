@@ -1,0 +1,20 @@
+// The controller's state folder: model.yaml (the model in force), ticks.mcap, blackbox-*.mcap.
+#pragma once
+
+#include <filesystem>
+
+#include "arm_controller/adaptation.hpp"
+
+namespace armsight::arm {
+
+/// Creates the folder where needed; throws ConfigError with the reason.
+void prepare_state_folder(const std::filesystem::path& folder);
+/// The model in force, or the nominal one (camera where the hint says, no offsets, revision 0) where there is no file.
+/// Throws ConfigError on a file that is damaged or of another robot: nothing is then overwritten.
+StartModel load_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot);
+/// Atomic. Throws std::runtime_error.
+void save_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot, const ModelEvent& model);
+/// Where the new ticks.mcap goes; the one before becomes ticks-previous.mcap.
+std::filesystem::path new_recording_file(const std::filesystem::path& folder);
+
+}  // namespace armsight::arm
