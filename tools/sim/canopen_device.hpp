@@ -1,0 +1,85 @@
+// A simulated CANopen node (CiA 301 subset of controller.md §4): NMT, boot-up and heartbeat, heartbeat consumer, SDO
+// server, one RPDO and one TPDO with the mapping procedure that drives insist on, SYNC, EMCY. What the device does
+// stands in the class derived from it. Given the time, sends through a function: the same node runs on the emulated
+// bus, on SocketCAN and in a test.
+//
+//   power-on ─► boot-up ─► pre-operational ⇄ operational ⇄ stopped        PDOs in operational only
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "protocol/can_frames.hpp"
+#include "shared/time.hpp"
+#include "tools/sim/object_dictionary.hpp"
+
+namespace armsight::sim {
+
+using SendFrame = std::function<void(const CanFrame& frame, Time now)>;
+
+class CanopenDevice {
+ public:
+  CanopenDevice(std::uint8_t node, SendFrame send);
+  virtual ~CanopenDevice() = default;
+  CanopenDevice(const CanopenDevice&) = delete;
+  CanopenDevice& operator=(const CanopenDevice&) = delete;
+
+  void power_on(Time now);
+  void on_frame(const CanFrame& frame, Time now);
+  /// Timers; to be called at next_time() or later.
+  void on_time(Time now);
+  Time next_time() const;
+
+  std::uint8_t node() const { return node_; }
+  NmtState nmt_state() const { return state_; }
+
+ protected:
+  enum class Loss { kHeartbeat, kSetPoints, kNotOperational };
+
+  /// Values that change by themselves; nullopt: as stored.
+  virtual std::optional<std::uint32_t> live_value(ObjectAddress) { return std::nullopt; }
+  /// Judges a value for an object of the device's own; 0 or an abort code.
+  virtual std::uint32_t judge(ObjectAddress, std::uint32_t) const { return 0; }
+  virtual bool is_receive_mappable(std::uint16_t index) const = 0;
+  virtual bool is_transmit_mappable(std::uint16_t index) const = 0;
+  /// Set-points of the last RPDO have been stored; they act now (with SYNC).
+  virtual void act(Time now) = 0;
+  virtual void lose(Loss loss, Time now) = 0;
+  virtual void reset(Time now) = 0;
+  virtual void on_sync(Time) {}
+
+  void send_emergency(std::uint16_t code, std::uint8_t error_register, Time now);
+
+  ObjectDictionary objects_;
+
+ private:
+  void add_communication_objects();
+  void on_nmt(const Nmt& command, Time now);
+  void restart(Time now);
+  void set_state(NmtState state, Time now);
+  void on_sync_frame(Time now);
+  void on_heartbeat(const CanFrame& frame, Time now);
+  void on_sdo(const CanFrame& frame, Time now);
+  void on_read(ObjectAddress object, Time now);
+  void on_write(const SdoWrite& write, Time now);
+  void answer_abort(ObjectAddress object, std::uint32_t code, Time now);
+  std::uint32_t value_of(ObjectAddress object);
+  std::uint32_t judge_communication(const SdoWrite& write) const;
+  std::uint32_t judge_mapping(const SdoWrite& write) const;
+  std::uint32_t judge_count(std::uint16_t mapping, std::uint32_t count) const;
+  bool pdo_is_valid(std::uint16_t communication) const;
+  void take_rpdo(const CanFrame& frame, Time now);
+  void apply_rpdo(Time now);
+  void send_tpdo(Time now);
+  void send_heartbeat(Time now);
+  Duration milliseconds(std::uint16_t index, std::uint8_t sub) const;
+
+  std::uint8_t node_;
+  SendFrame send_;
+  NmtState state_ = NmtState::kBootUp;
+  std::optional<CanFrame> pending_rpdo_;
+  Time next_heartbeat_, heartbeat_deadline_, rpdo_deadline_;
+};
+
+}  // namespace armsight::sim

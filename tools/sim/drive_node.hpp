@@ -1,0 +1,53 @@
+// A simulated CiA 402 drive in cyclic synchronous position: the power state machine in front of a Motor.
+//
+//   switch-on disabled ─06► ready ─07► switched on ─0F► operation enabled ─02 or lost─► quick stop active (holds)
+//          ▲ 00 from anywhere              fault ◄── following error ──┘      ▲──────0F, only after a release──┘
+//
+// Losing the controller (heartbeat, RPDO deadline, NMT) makes an enabled drive quick-stop by 0x6007 = 3; with
+// 0x605A = 6 it then holds, powered. It follows again only after the controlword has left "enable operation" once: a
+// controller that comes back late must notice.
+#pragma once
+
+#include "tools/sim/canopen_device.hpp"
+#include "tools/sim/motor.hpp"
+
+namespace armsight::sim {
+
+/// The state that a controlword leads to; quick_stop_option is 0x605A, `fault_reset_edge` says that bit 7 rose.
+DriveState next_drive_state(DriveState state, std::uint16_t controlword, std::uint32_t quick_stop_option,
+                            bool fault_reset_edge);
+/// State bits of the statusword, without the others.
+std::uint16_t state_bits(DriveState state);
+
+class DriveNode : public CanopenDevice {
+ public:
+  /// on_sample: told of every SYNC with the position that the drive reports; may be empty.
+  using OnSample = std::function<void(std::int32_t position_counts, Time time)>;
+  DriveNode(std::uint8_t node, SendFrame send, Motor& motor, OnSample on_sample = {});
+
+  DriveState state() const { return state_; }
+
+ private:
+  std::optional<std::uint32_t> live_value(ObjectAddress object) override;
+  std::uint32_t judge(ObjectAddress object, std::uint32_t value) const override;
+  bool is_receive_mappable(std::uint16_t index) const override;
+  bool is_transmit_mappable(std::uint16_t index) const override;
+  void act(Time now) override;
+  void lose(Loss loss, Time now) override;
+  void reset(Time now) override;
+  void on_sync(Time now) override;
+
+  void add_drive_objects();
+  void drive_motor();
+  void fault(std::uint16_t code, Time now);
+  std::uint16_t statusword() const;
+
+  Motor& motor_;
+  OnSample on_sample_;
+  DriveState state_ = DriveState::kSwitchOnDisabled;
+  std::uint16_t last_controlword_ = 0;
+  bool must_release_ = false;  ///< stopped by itself: "enable operation" counts only after another command
+  std::int32_t sampled_counts_ = 0;
+};
+
+}  // namespace armsight::sim
