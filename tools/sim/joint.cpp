@@ -1,0 +1,67 @@
+#include "tools/sim/joint.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace armsight::sim {
+
+namespace {
+
+constexpr double kFollowTime_s = 0.025;
+constexpr double kMaxSpeed_rad_s = 6.0;               // actuator, specification §4.4
+constexpr double kMaxAcceleration_rad_s2 = 60.0;
+constexpr double kQuickStop_rad_s2 = 20.0;
+constexpr double kFollowingWindow_rad = 0.35;
+constexpr double kStiffness_permille_rad = 8000.0;    // torque shown for the distance between target and joint
+
+}  // namespace
+
+Joint::Joint(const JointTruth& truth, double start_rad) : truth_(truth), q_(start_rad) {
+  target_reading_rad_ = reading_rad();
+}
+
+double Joint::counts_to_rad(double counts) const {
+  return truth_.drive.sign * 2.0 * std::numbers::pi * counts / truth_.drive.counts_per_turn + truth_.drive.zero_rad;
+}
+
+/// The drive closes its loop on its own encoder and settles beside the target by its residual.
+double Joint::wanted_speed() const {
+  if (mode_ != MotorMode::kFollow) return 0.0;
+  const double behind = target_reading_rad_ + truth_.servo_residual.at(q_) - reading_rad();
+  const double braking = std::sqrt(2.0 * kMaxAcceleration_rad_s2 * std::abs(behind));
+  return std::copysign(std::min({std::abs(behind) / kFollowTime_s, braking, kMaxSpeed_rad_s}), behind);
+}
+
+void Joint::step(double dt_s) {
+  const double limit = (mode_ == MotorMode::kFollow ? kMaxAcceleration_rad_s2 : kQuickStop_rad_s2) * dt_s;
+  speed_ += std::clamp(wanted_speed() - speed_, -limit, limit);
+  q_ += speed_ * dt_s;
+  if (q_ >= truth_.min_rad && q_ <= truth_.max_rad) return;
+  q_ = std::clamp(q_, truth_.min_rad, truth_.max_rad);
+  speed_ = 0.0;
+}
+
+std::int32_t Joint::position_counts() {
+  const double reading = reading_rad() + truth_.jitter_rad * truth_.jitter.normal();
+  const double turns = truth_.drive.sign * (reading - truth_.drive.zero_rad) / (2.0 * std::numbers::pi);
+  return static_cast<std::int32_t>(std::lround(turns * truth_.drive.counts_per_turn));
+}
+
+std::int16_t Joint::torque_permille() const {
+  if (mode_ == MotorMode::kOff) return 0;
+  const double behind = mode_ == MotorMode::kFollow ? target_reading_rad_ - reading_rad() : 0.0;
+  return static_cast<std::int16_t>(std::clamp(kStiffness_permille_rad * behind * truth_.drive.sign, -1000.0, 1000.0));
+}
+
+void Joint::command(MotorMode mode, std::int32_t target_counts, std::uint16_t) {
+  mode_ = mode;
+  target_reading_rad_ = counts_to_rad(target_counts);
+}
+
+std::uint32_t Joint::counts_per_turn() const { return static_cast<std::uint32_t>(truth_.drive.counts_per_turn); }
+
+std::uint32_t Joint::following_window_counts() const {
+  return static_cast<std::uint32_t>(kFollowingWindow_rad * truth_.drive.counts_per_turn / (2.0 * std::numbers::pi));
+}
+
+}  // namespace armsight::sim
