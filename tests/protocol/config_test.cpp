@@ -51,7 +51,7 @@ TEST(RobotFile, TheShippedOneLoads) {
 
 TEST(RobotFile, NamesPlaceKeyValueAndRule) {
   EXPECT_EQ(complaint(with("period_s: 0.004", "period_s: -1")),
-            "robot.yaml:43:13: controller.period_s = -1: must be between 0.001 and 0.1");
+            "robot.yaml:45:13: controller.period_s = -1: must be between 0.001 and 0.1");
 }
 
 TEST(RobotFile, ListsAllViolationsInTheOrderOfTheFile) {
@@ -60,13 +60,13 @@ TEST(RobotFile, ListsAllViolationsInTheOrderOfTheFile) {
   EXPECT_EQ(complaint(text),
             "robot.yaml:3:1: robot: missing\n"
             "robot.yaml:3:1: robots: unknown key\n"
-            "robot.yaml:43:13: controller.period_s = 4: must be between 0.001 and 0.1");
+            "robot.yaml:45:13: controller.period_s = 4: must be between 0.001 and 0.1");
 }
 
 TEST(RobotFile, RefusesRepeatedKeysEverywhere) {
   expect_complaint("robot: ego_right_arm", "robot: ego_right_arm\nrobot: twice",
                    "robot.yaml:4:1: robot: repeated key, first at line 3");
-  expect_complaint("d_m: 0.168,", "d_m: 0.168, d_m: 0.168,", "joints[2].dh.d_m: repeated key, first at line 17");
+  expect_complaint("d_m: 0.168,", "d_m: 0.168, d_m: 0.168,", "joints[2].dh.d_m: repeated key, first at line 19");
 }
 
 TEST(RobotFile, RefusesUnknownKeysEverywhere) {
@@ -123,7 +123,7 @@ TEST(RobotFile, TakesOneToEightJoints) {
   const std::size_t begin = nine.find("  - {name: shoulder_flexion"), end = nine.find("  - {name: shoulder_abduction");
   const std::string joint = nine.substr(begin, end - begin);
   for (int i = 0; i < 4; ++i) nine.insert(begin, joint);
-  EXPECT_EQ(complaint(nine), "robot.yaml:11:3: joints: has 9 entries, must have 1 to 8");
+  EXPECT_EQ(complaint(nine), "robot.yaml:13:3: joints: has 9 entries, must have 1 to 8");
 }
 
 TEST(RobotFile, TakesNamedPosturesInsideTheLimits) {
