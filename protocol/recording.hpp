@@ -38,7 +38,8 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// `message_type`: one of arm_link.proto or recording.proto, e.g. "armsight.wire.TickRecord"; else std::invalid_argument.
+  /// `message_type`: a message of arm_link, recording or camera_stream.proto, e.g. "armsight.wire.TickRecord"; else
+  /// std::invalid_argument.
   ChannelId add_channel(const std::string& topic, const std::string& message_type);
   /// A message at a time; times before 0 are filed under 0 (MCAP knows none; the messages carry their own).
   void write(ChannelId channel, Time time, std::string_view serialized_message);
@@ -144,7 +145,7 @@ struct RecordingSummary {
 
 /// From the index at the end of the file; throws RecordingError (a cut file has none: use RecordingReader).
 RecordingSummary read_summary(std::istream& in);
-/// Messages of some topics (empty: all) with from ≤ time ≤ to, in order of time; reads only the chunks that can hold any.
+/// Messages of some topics (empty: all) with from ≤ time ≤ to, in order of time; reads only chunks that can hold any.
 std::vector<RecordedMessage> read_messages(std::istream& in, const RecordingSummary& summary,
                                            const std::vector<std::string>& topics, Time from, Time to);
 

@@ -32,7 +32,8 @@ TEST(ConvertPose, ComesBackForRandomPoses) {
   std::normal_distribution<double> normal;
   for (int i = 0; i < 200; ++i) {
     Pose T;
-    T.R = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized().toRotationMatrix();
+    const Eigen::Quaterniond quat(normal(random), normal(random), normal(random), normal(random));
+    T.R = quat.normalized().toRotationMatrix();
     T.p = {normal(random), normal(random), normal(random)};
     wire::Pose message;
     to_wire(T, &message);

@@ -25,7 +25,8 @@ std::string traffic() {
                              encode(Heartbeat{NmtState::kBootUp}, 1), encode(Heartbeat{NmtState::kOperational}, 127)};
   std::string text;
   std::int64_t time_ns = 1'500'000'000;
-  for (const CanFrame& frame : frames) text += to_candump({time_from_ns(time_ns += 250'000), "can0", frame, false}) + "\n";
+  for (const CanFrame& frame : frames)
+    text += to_candump({time_from_ns(time_ns += 250'000), "can0", frame, false}) + "\n";
   return text;
 }
 
