@@ -1,0 +1,137 @@
+#include "host/host_io.hpp"
+
+#include <csignal>
+#include <utility>
+
+#include "host/text.hpp"
+
+namespace armsight::host {
+namespace {
+
+constexpr Duration kPeriod = std::chrono::milliseconds(4);     // the host's cycle at real pace
+constexpr Duration kConnectTimeout = std::chrono::seconds(5);
+constexpr Duration kAnswerTimeout = std::chrono::seconds(1);
+constexpr Duration kAlignTimeout = std::chrono::seconds(20);
+constexpr Duration kAlignBound = std::chrono::milliseconds(2);
+constexpr Duration kHoldTimeout = std::chrono::seconds(30);    // enabling six drives takes some seconds
+
+volatile std::sig_atomic_t g_is_interrupted = 0;
+extern "C" void on_interrupt(int) { g_is_interrupted = 1; }
+
+std::unique_ptr<net::Clock> make_clock(const HostIoOptions& options) try {
+  if (options.sim_clock.empty()) return net::make_monotonic_clock(kPeriod);
+  return net::join_sim_clock(options.sim_clock, "host", 2, kPeriod);
+} catch (const ConfigError&) {
+  throw;
+} catch (const std::runtime_error& error) {
+  throw PeerLost(error.what());
+}
+
+std::unique_ptr<net::FramedStream> connect_arm(const std::string& address, net::Clock& clock) try {
+  net::StreamOptions options;
+  std::unique_ptr<net::FramedStream> stream = net::connect_tcp(address, options, clock, kConnectTimeout);
+  stream->set_channel({net::ChannelKind::kLink, clock.arm_controller()});
+  return stream;
+} catch (const ConfigError&) {
+  throw;
+} catch (const std::runtime_error& error) {
+  throw PeerLost(std::string("arm controller: ") + error.what());
+}
+
+}  // namespace
+
+HostIo::HostIo(const HostIoOptions& options, const RobotConfig& robot) : robot_(robot), clock_(make_clock(options)) {
+  if (!options.camera_source.empty()) camera_ = make_camera(options.camera_source, options.intrinsics_file, *clock_);
+  arm_ = std::make_unique<ArmLink>(connect_arm(options.arm_address, *clock_), *clock_,
+                                   ArmLinkOptions{"host 0.1.0", model_hash(robot), options.role});
+}
+
+HostIo::~HostIo() {
+  try {
+    arm_->say_bye();
+  } catch (const PeerLost&) {  // gone already: there is nobody to say it to
+  }
+}
+
+Time HostIo::step() {
+  const Time now = clock_->wait_next_cycle();
+  arm_->receive();
+  frame_.reset();
+  if (camera_) frame_ = camera_->poll();
+  arm_->heartbeat();
+  if (g_is_interrupted != 0) {
+    wire::Envelope stop;
+    stop.mutable_stop()->set_reason("the operator interrupted the host");
+    arm_->send(std::move(stop));
+    throw Interrupted();
+  }
+  return now;
+}
+
+bool HostIo::wait_until(const std::function<bool()>& claim, Duration timeout) {
+  const Time end = now() + timeout;
+  while (!claim()) {
+    if (now() >= end) return false;
+    step();
+  }
+  return true;
+}
+
+CommandOutcome HostIo::command(wire::Envelope message) {
+  const std::uint64_t sequence = arm_->send(std::move(message));
+  if (!wait_until([&] { return arm_->outcome(sequence).has_value(); }, kAnswerTimeout)) {
+    throw PeerLost("arm controller: no answer within 1 s");
+  }
+  return *arm_->outcome(sequence);
+}
+
+void HostIo::demand(wire::Envelope message, const std::string& what) {
+  const CommandOutcome outcome = command(std::move(message));
+  if (!outcome.is_accepted) throw CommandFailed(what + ": refused: " + outcome.text);
+}
+
+void catch_interrupts() {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+}
+
+void open_session(HostIo& io, bool needs_time) {
+  ArmLink& arm = io.arm();
+  const bool is_answered = io.wait_until([&] { return arm.hello() || arm.hello_refusal(); }, kConnectTimeout);
+  if (!is_answered) throw PeerLost("arm controller: no answer to Hello within 5 s");
+  if (arm.hello_refusal()) throw CommandFailed("arm controller: " + arm.hello_refusal()->text);
+  const bool is_informed = io.wait_until([&] { return arm.state() && arm.model(); }, kAnswerTimeout);
+  if (!is_informed) throw PeerLost("arm controller: tells neither its state nor its model");
+  if (!needs_time) return;
+  const auto is_aligned = [&] { return arm.alignment().bound() && *arm.alignment().bound() < kAlignBound; };
+  if (!io.wait_until(is_aligned, kAlignTimeout)) throw CommandFailed("clocks: no agreement within 2 ms after 20 s");
+}
+
+void take_command(HostIo& io, bool clear_fault) {
+  ArmLink& arm = io.arm();
+  wire::Envelope lease;
+  lease.mutable_lease_request();
+  io.demand(std::move(lease), "lease");
+  const auto is_configured = [&] {
+    const wire::Mode mode = arm.state()->mode();
+    return mode == wire::MODE_READY || mode == wire::MODE_HOLD || mode == wire::MODE_SERVO || mode == wire::MODE_STOPPING ||
+           mode == wire::MODE_FAULT;
+  };
+  if (!io.wait_until(is_configured, kHoldTimeout)) {
+    throw CommandFailed(std::string("power on: the arm is in ") + to_text(arm.state()->mode()) + " after 30 s");
+  }
+  if (arm.state()->mode() == wire::MODE_FAULT && !clear_fault) {
+    throw CommandFailed("the arm stands in fault " + std::to_string(arm.state()->fault_code()) +
+                        (arm.fault() ? ": " + arm.fault()->text() : "") + "; --clear-fault clears it");
+  }
+  wire::Envelope hold;
+  hold.mutable_mode_request()->set_mode(wire::MODE_HOLD);
+  hold.mutable_mode_request()->set_clear_fault(clear_fault);
+  io.demand(std::move(hold), "power on");
+  const auto is_holding = [&] { return arm.state()->mode() == wire::MODE_HOLD && arm.state()->is_still(); };
+  if (!io.wait_until(is_holding, kHoldTimeout)) {
+    throw CommandFailed(std::string("power on: the arm is in ") + to_text(arm.state()->mode()) + " after 30 s");
+  }
+}
+
+}  // namespace armsight::host

@@ -1,0 +1,87 @@
+// Everything that moves while the host waits: the clock, the link to the arm, the camera. A flow is a plain loop over
+// step(), the same in lockstep and at real pace; commands are sent and waited for here, so that no flow can forget.
+#pragma once
+
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "host/arm_link.hpp"
+#include "host/camera.hpp"
+#include "protocol/config.hpp"
+
+namespace armsight::host {
+
+/// The controller said no, or did not get there: exit code 1.
+class CommandFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Ctrl-C: the arm has been told to stop, the link has been left.
+class Interrupted : public std::exception {
+ public:
+  const char* what() const noexcept override { return "interrupted; the arm was told to stop"; }
+};
+
+struct HostIoOptions {
+  std::string arm_address;      ///< "ADDR:PORT"
+  std::string camera_source;    ///< empty: none
+  std::string intrinsics_file;  ///< may be empty for the simulated camera
+  std::string sim_clock;        ///< path of arm_sim's clock; empty: the machine's own
+  wire::Role role = wire::ROLE_OBSERVE;
+};
+
+class HostIo {
+ public:
+  /// Connects the camera, then the arm; throws PeerLost, CameraLost, ConfigError.
+  HostIo(const HostIoOptions& options, const RobotConfig& robot);
+  /// Says Bye, whatever happened.
+  ~HostIo();
+
+  /// One cycle: waits for it, takes what acts now, keeps the lease. Throws PeerLost, CameraLost, ClockLost, Interrupted.
+  Time step();
+  Time now() const { return clock_->now(); }
+  /// Steps until the claim holds; false after timeout.
+  bool wait_until(const std::function<bool()>& claim, Duration timeout);
+  /// Sends a command and steps until it is answered; no answer within 1 s is PeerLost.
+  CommandOutcome command(wire::Envelope message);
+  /// The same, but a refusal throws CommandFailed "what: reason".
+  void demand(wire::Envelope message, const std::string& what);
+
+  /// Computes while the cycles go on. At real pace a second thread does, so that the lease lives however long it takes;
+  /// in lockstep time stands still meanwhile. `work` must not touch this HostIo.
+  template <typename Work>
+  auto compute(Work work) {
+    if (clock_->is_lockstep()) return work();
+    auto result = std::async(std::launch::async, std::move(work));
+    while (result.wait_for(Duration::zero()) != std::future_status::ready) step();
+    return result.get();
+  }
+
+  ArmLink& arm() { return *arm_; }
+  const RobotConfig& robot() const { return robot_; }
+  bool has_camera() const { return camera_ != nullptr; }
+  Camera& camera() { return *camera_; }
+  /// The frame of this cycle, if one came.
+  const std::optional<Frame>& frame() const { return frame_; }
+
+ private:
+  const RobotConfig& robot_;
+  std::unique_ptr<net::Clock> clock_;  // first in, last out: the streams count on it
+  std::unique_ptr<Camera> camera_;
+  std::unique_ptr<ArmLink> arm_;
+  std::optional<Frame> frame_;
+};
+
+/// Ctrl-C and SIGTERM from now on end the next step() with Interrupted, after Stop and Bye.
+void catch_interrupts();
+
+/// Waits for the controller's answer to Hello, its state and its model; whoever looks also needs clocks that agree to 2 ms.
+void open_session(HostIo& io, bool needs_time);
+/// Takes the lease and asks for power and standstill. clear_fault is the operator's explicit word.
+void take_command(HostIo& io, bool clear_fault);
+
+}  // namespace armsight::host

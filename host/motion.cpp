@@ -1,0 +1,125 @@
+#include "host/motion.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "host/text.hpp"
+#include "protocol/convert.hpp"
+
+namespace armsight::host {
+namespace {
+
+constexpr Duration kMotionTimeout = std::chrono::seconds(60);   // 3 rad at a tenth of the working speed
+constexpr Duration kStillTimeout = std::chrono::seconds(5);
+constexpr Duration kHandTimeout = std::chrono::seconds(8);
+constexpr Duration kGripSettling = std::chrono::milliseconds(300);  // from contact to full force
+constexpr Duration kHandStart = std::chrono::milliseconds(250);  // until the fingers must have begun to move
+constexpr std::int64_t kGoalValid_ns = 500'000'000;
+
+std::uint64_t next_goal() {
+  static std::uint64_t goal = 0;
+  return ++goal;
+}
+
+// A goal counts only with our own number: the controller may still report an earlier one.
+bool has_ended(HostIo& io, std::uint64_t goal) {
+  const auto& status = io.arm().goal_status();
+  return status && status->goal() == goal && status->state() != wire::GOAL_STATE_MOVING;
+}
+
+MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, const std::function<bool()>& is_over) {
+  MotionResult result;
+  const CommandOutcome outcome = io.command(std::move(message));
+  if (!outcome.is_accepted) {
+    result.why = "refused: " + outcome.text;
+    return result;
+  }
+  bool was_cut_short = false;
+  const auto is_done = [&] { return has_ended(io, goal) || (was_cut_short = is_over && is_over()); };
+  if (!io.wait_until(is_done, kMotionTimeout)) {
+    result.why = "not there after 60 s";
+    return result;
+  }
+  if (was_cut_short) {
+    result.why = "cut short";
+    return result;
+  }
+  result.status = *io.arm().goal_status();
+  if (result.status.state() != wire::GOAL_STATE_ARRIVED) {
+    result.why = std::string(to_text(result.status.state())) + (result.status.text().empty() ? "" : ": ") + result.status.text();
+    return result;
+  }
+  result.has_arrived = io.wait_until([&] { return io.arm().state()->is_still(); }, kStillTimeout);
+  if (!result.has_arrived) result.why = "arrived but not still after 5 s";
+  return result;
+}
+
+}  // namespace
+
+JointVector to_joint_vector(const google::protobuf::RepeatedField<double>& values) {
+  JointVector q(std::min(values.size(), kMaxJoints));
+  for (int i = 0; i < static_cast<int>(q.size()); ++i) q[i] = values[i];
+  return q;
+}
+
+JointVector reading_now(HostIo& io) {
+  const JointVector q = to_joint_vector(io.arm().state()->q_reading_rad());
+  if (q.size() != io.robot().arm.joint_count()) throw PeerLost("arm controller: state with another number of joints");
+  return q;
+}
+
+JointVector real_now(HostIo& io) { return reading_now(io) + model_in_force(io).beta; }
+
+LearnedModel model_in_force(HostIo& io) {
+  const wire::ModelUpdate& update = *io.arm().model();
+  LearnedModel model;
+  model.revision = update.revision();
+  std::optional<Refused> fault = from_wire(update.base_in_camera(), "base_in_camera", model.T_C_B);
+  if (!fault) fault = from_wire(update.beta_rad(), "beta_rad", io.robot().arm.joint_count(), model.beta);
+  if (fault) throw PeerLost("arm controller: unsound model: " + fault->text);
+  return model;
+}
+
+MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions& options) {
+  wire::Envelope message;
+  wire::JointGoal& goal = *message.mutable_joint_goal();
+  goal.set_goal(next_goal());
+  to_wire(q_real, goal.mutable_q_real_rad());
+  goal.set_speed_scale(options.speed_scale);
+  goal.set_valid_for_ns(kGoalValid_ns);
+  const std::uint64_t number = goal.goal();
+  return follow(io, number, std::move(message), options.is_over);
+}
+
+MotionResult stand_still_here(HostIo& io) { return drive_to(io, real_now(io)); }
+
+MotionResult drive_to(HostIo& io, const PoseTarget& target) {
+  wire::Envelope message;
+  wire::PoseGoal& goal = *message.mutable_pose_goal();
+  goal.set_goal(next_goal());
+  goal.set_frame(target.frame);
+  to_wire(target.T_X_G, goal.mutable_hand_goal());
+  goal.set_model_revision(target.model_revision);
+  goal.set_position_tolerance_m(target.position_tolerance_m);
+  goal.set_orientation_tolerance_rad(target.orientation_tolerance_rad);
+  goal.set_speed_scale(1.0);
+  goal.set_valid_for_ns(kGoalValid_ns);
+  if (target.q_seed.size() > 0) to_wire(target.q_seed, goal.mutable_q_seed_rad());
+  const std::uint64_t number = goal.goal();
+  return follow(io, number, std::move(message), {});
+}
+
+HandResult move_hand(HostIo& io, double closure, double force_limit_permille) {
+  wire::Envelope message;
+  message.mutable_hand_command()->set_closure(closure);
+  message.mutable_hand_command()->set_force_limit_permille(static_cast<std::uint32_t>(std::lround(force_limit_permille)));
+  io.demand(std::move(message), "hand");
+  io.wait_until([&] { return io.arm().state()->hand_is_moving(); }, kHandStart);
+  if (!io.wait_until([&] { return !io.arm().state()->hand_is_moving(); }, kHandTimeout)) {
+    throw CommandFailed("hand: still moving after 8 s");
+  }
+  io.wait_until([] { return false; }, kGripSettling);
+  return {io.arm().state()->hand_closure(), io.arm().state()->hand_effort_permille()};
+}
+
+}  // namespace armsight::host

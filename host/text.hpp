@@ -1,0 +1,19 @@
+// Words for people: modes, outcomes, angles. The only place where the host turns radians into degrees for a line.
+#pragma once
+
+#include <string>
+
+#include "protocol/arm_link.pb.h"
+#include "shared/arm_model.hpp"
+
+namespace armsight::host {
+
+const char* to_text(wire::Mode mode);
+const char* to_text(wire::FusionOutcome outcome);
+const char* to_text(wire::GoalState state);
+/// "12.3 -4.0 0.1" in degrees.
+std::string degrees_text(const JointVector& q_rad);
+double degrees(double rad);
+std::string fixed(double value, int decimals);
+
+}  // namespace armsight::host
