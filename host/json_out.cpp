@@ -1,0 +1,115 @@
+#include "host/json_out.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/text.hpp"
+#include "protocol/convert.hpp"
+
+namespace armsight::host {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kIndent = 1;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json json(const Pose& T) {
+  const Eigen::Quaterniond q(T.R);
+  return {{"p_m", {T.p.x(), T.p.y(), T.p.z()}}, {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+Json json(const JointVector& q) {
+  Json list = Json::array();
+  for (const double value : q) list.push_back(number(value));
+  return list;
+}
+
+Json json(const google::protobuf::RepeatedField<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number(value));
+  return list;
+}
+
+Json json(const wire::Vector3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json json(const LearnedModel& model) {
+  return {{"revision", model.revision}, {"T_C_B", json(model.T_C_B)}, {"beta_rad", json(model.beta)}};
+}
+
+Json json(const std::optional<Pose>& T) { return T ? json(*T) : Json(nullptr); }
+
+Json json(const PoseErrorRms& rms) { return {{"rms_mm", number(rms.rms_mm)}, {"rms_deg", number(rms.rms_deg)}}; }
+
+Json look_json(const CalibrateLookRecord& look, const LookVerdict& verdict) {
+  return {{"q_reading_rad", json(look.q_reading)}, {"arm_time_ns", look.arm_time_ns}, {"used", verdict.used},
+          {"reason", verdict.reason}, {"residual_mm", number(verdict.residual_mm)},
+          {"residual_deg", number(verdict.residual_deg)}, {"reprojection_px", number(look.reprojection_px)},
+          {"image", look.image}};
+}
+
+Json sigma_json(const ArmCalibration& calibration) {
+  Json beta = Json::array();
+  for (const double sigma : calibration.beta_sigma_rad) beta.push_back(number(degrees(sigma)));
+  return {{"beta_deg", beta}, {"camera_mm", number(calibration.camera_sigma_m * 1e3)},
+          {"camera_deg", number(degrees(calibration.camera_sigma_rad))}};
+}
+
+Json look_json(const AdaptLookRecord& look) {
+  const wire::FilterReport& r = look.report;
+  return {{"outcome", to_text(r.outcome())}, {"nis", number(r.nis())}, {"cost", number(r.cost())},
+          {"gain_norm", number(r.gain_norm())}, {"iterations", r.iterations()}, {"innovation", json(r.innovation())},
+          {"q_reading_rad", json(r.q_reading_rad())}, {"delta_t_m", json(r.delta_t_m())},
+          {"delta_theta_rad", json(r.delta_theta_rad())}, {"delta_beta_rad", json(r.delta_beta_rad())},
+          {"hand_sigma", json(r.hand_sigma())}, {"arm_time_ns", r.arm_capture_time_ns()}, {"model", json(look.model)},
+          {"image", look.image}};
+}
+
+}  // namespace
+
+std::string to_json(const CalibrateRecord& record) {
+  const ArmCalibration& c = record.calibration;
+  Json looks = Json::array();
+  for (std::size_t i = 0; i < record.looks.size(); ++i) {
+    looks.push_back(look_json(record.looks[i], i < c.looks.size() ? c.looks[i] : LookVerdict{false, false, "not solved", 0, 0}));
+  }
+  const Json out{{"accepted", c.accepted}, {"why", c.why}, {"looks", looks}, {"training", json(c.training)},
+                 {"heldout", json(c.heldout)}, {"sigma", sigma_json(c)}, {"rank", c.rank}, {"parameters", c.parameters},
+                 {"condition", number(c.condition)}, {"unobservable", c.unobservable},
+                 {"solve_wall_ms", number(c.solve_wall_s * 1e3)}, {"model", json(record.model)},
+                 {"attempts", record.attempts}, {"images", record.images}};
+  return out.dump(kIndent) + "\n";
+}
+
+std::string to_json(const AdaptRecord& record) {
+  Json looks = Json::array();
+  for (const AdaptLookRecord& look : record.looks) looks.push_back(look_json(look));
+  const Json out{{"model_before", json(record.before)}, {"looks", looks}, {"attempts", record.attempts},
+                 {"model_after", json(record.after)}};
+  return out.dump(kIndent) + "\n";
+}
+
+std::string to_json(const MoveRecord& record) {
+  Json out;
+  if (record.T_B_G) out["T_B_G"] = json(*record.T_B_G);
+  else out["q_goal_real_rad"] = json(record.q_goal_real);
+  out["state"] = record.state;
+  out["arm_time_ns"] = record.status.arm_time_ns();
+  out["q_reading_rad"] = json(record.status.q_reading_rad());
+  out["model"] = json(record.model);
+  out["position_error_m"] = number(record.status.position_error_m());
+  out["orientation_error_rad"] = number(record.status.orientation_error_rad());
+  return out.dump(kIndent) + "\n";
+}
+
+std::string to_json(const GraspRecord& record) {
+  const Json out{{"object", record.object}, {"candidate", record.candidate}, {"T_C_O", json(record.T_C_O)},
+                 {"T_O_G", json(record.T_O_G)}, {"T_B_G", json(record.T_B_G)}, {"model", json(record.model)},
+                 {"status", record.status}, {"arm_time_ns", record.arm_time_ns}, {"q_reading_rad", json(record.q_reading)},
+                 {"verdict", record.verdict}, {"why", record.why}, {"hand_closure", number(record.hand_closure)},
+                 {"hand_effort_permille", number(record.hand_effort_permille)}, {"images", record.images}};
+  return out.dump(kIndent) + "\n";
+}
+
+}  // namespace armsight::host

@@ -1,0 +1,35 @@
+// What the host leaves behind, under --state DIR: the latest result of each verb, pictures with overlay, the looks of
+// a calibration as they are made, the calibration itself. Every file is written beside its name and renamed: a reader
+// never sees half of one.
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace armsight::host {
+
+class SessionFiles {
+ public:
+  /// Makes the folder; throws ConfigError where it cannot. `verb` names the pictures and the result.
+  SessionFiles(const std::filesystem::path& state, const std::string& verb);
+
+  const std::filesystem::path& folder() const { return state_; }
+  /// STATE/VERB.json. Throws ConfigError where it cannot be written.
+  void save_result(std::string_view json) const;
+  /// STATE/images/VERB-NN.jpg; answers the name relative to STATE, empty without a picture.
+  std::string save_picture(const cv::Mat& picture);
+  const std::vector<std::string>& pictures() const { return pictures_; }
+
+ private:
+  std::filesystem::path state_;
+  std::string verb_;
+  std::vector<std::string> pictures_;
+};
+
+/// Writes beside `file`, then renames. Throws ConfigError.
+void write_atomically(const std::filesystem::path& file, std::string_view content);
+
+}  // namespace armsight::host
