@@ -1,0 +1,31 @@
+# The flows of the host and its program. The command line is main.cpp's alone.
+add_library(armsight_host_app STATIC
+  adapt.cpp
+  app.cpp
+  arm_link.cpp
+  calibrate.cpp
+  clock_alignment.cpp
+  first_sight.cpp
+  grasp.cpp
+  grasp_plan.cpp
+  grasp_table.cpp
+  hand_looks.cpp
+  host_io.cpp
+  json_out.cpp
+  learn_files.cpp
+  look_planning.cpp
+  motion.cpp
+  pictures.cpp
+  pose_planner.cpp
+  running_guess.cpp
+  session_files.cpp
+  text.cpp
+  verbs.cpp
+  visibility.cpp)
+target_link_libraries(armsight_host_app
+  PUBLIC armsight_core armsight_protocol armsight_schemas armsight_transport armsight_host_vision armsight_host_camera
+         armsight_host_learn
+  PRIVATE opencv_imgproc opencv_imgcodecs nlohmann_json::nlohmann_json armsight_warnings)
+
+add_executable(host main.cpp)
+target_link_libraries(host PRIVATE armsight_host_app CLI11::CLI11 armsight_warnings)

@@ -1,0 +1,141 @@
+#include <cmath>
+#include <iostream>
+
+#include "host/adapt.hpp"
+#include "host/calibrate.hpp"
+#include "host/calibrate_dataset.hpp"
+#include "host/command_line.hpp"
+#include "host/grasp.hpp"
+#include "host/host_io.hpp"
+#include "host/urdf_import.hpp"
+#include "host/verbs.hpp"
+
+namespace armsight::host {
+namespace {
+
+constexpr const char* kSimClock = "sim:";
+
+bool needs_camera(Verb verb) { return verb == Verb::kCalibrate || verb == Verb::kAdapt || verb == Verb::kGrasp; }
+bool needs_command(Verb verb) { return verb != Verb::kStatus && verb != Verb::kStop; }
+
+HostIoOptions io_options(const CommandLine& line) {
+  HostIoOptions options;
+  if (line.arm.empty()) throw ConfigError("--arm: missing: must name the arm controller, ADDR:PORT");
+  options.arm_address = line.arm;
+  if (needs_camera(line.verb)) {
+    if (line.camera.empty()) throw ConfigError("--camera: missing: this verb looks");
+    options.camera_source = line.camera;
+    options.intrinsics_file = line.intrinsics;
+  }
+  if (!line.clock.empty()) {
+    if (!line.clock.starts_with(kSimClock)) throw ConfigError("--clock: " + line.clock + ": must be sim:PATH");
+    options.sim_clock = line.clock.substr(std::string_view(kSimClock).size());
+  }
+  options.role = needs_command(line.verb) ? wire::ROLE_COMMAND : wire::ROLE_OBSERVE;
+  return options;
+}
+
+std::optional<Pose> pose_goal(const CommandLine& line) {
+  if (line.pose.empty()) {
+    if (line.joints_rad.empty()) throw ConfigError("move: must name --joints or --pose");
+    return std::nullopt;
+  }
+  const Eigen::Quaterniond q(line.pose[3], line.pose[4], line.pose[5], line.pose[6]);
+  if (!(std::abs(q.norm() - 1.0) < 1e-3)) throw ConfigError("--pose: quaternion of length " + std::to_string(q.norm()) + ": must be 1");
+  return Pose{q.normalized().toRotationMatrix(), Vector3(line.pose[0], line.pose[1], line.pose[2])};
+}
+
+JointVector joint_goal(const CommandLine& line, const RobotConfig& robot) {
+  if (line.joints_rad.empty()) return {};
+  if (static_cast<int>(line.joints_rad.size()) != robot.arm.joint_count()) {
+    throw ConfigError("--joints: " + std::to_string(line.joints_rad.size()) + " values: must be one a joint, " +
+                      std::to_string(robot.arm.joint_count()));
+  }
+  const JointVector q = Eigen::Map<const Eigen::VectorXd>(line.joints_rad.data(), robot.arm.joint_count());
+  if (!q.allFinite()) throw ConfigError("--joints: must be finite");
+  return q;
+}
+
+void run_calibrate_verb(HostIo& io, const CommandLine& line) {
+  CalibrateOptions options;
+  options.robot_file = line.robot;
+  if (line.looks > 0) options.looks = line.looks, options.max_attempts = 2 * line.looks;
+  options.target_sigma_m = line.target_sigma_mm * 1e-3;
+  SessionFiles files(line.state, "calibrate");
+  run_calibrate(io, files, options, std::cout);
+}
+
+void run_adapt_verb(HostIo& io, const CommandLine& line) {
+  AdaptOptions options;
+  if (line.looks > 0) options.looks = line.looks, options.max_attempts = 2 * line.looks + 2;
+  options.target_sigma_m = line.target_sigma_mm * 1e-3;
+  SessionFiles files(line.state, "adapt");
+  run_adapt(io, files, options, std::cout);
+}
+
+// Everything that can be wrong with words and files is found before anything moves.
+void run_online(const CommandLine& line) {
+  const RobotConfig robot = load_robot(line.robot);
+  const HostIoOptions options = io_options(line);
+  const std::optional<Pose> T_B_G = line.verb == Verb::kMove ? pose_goal(line) : std::nullopt;
+  const JointVector q_goal = joint_goal(line, robot);
+  GraspTable table;
+  if (line.verb == Verb::kGrasp) table = GraspTable::load(line.grasps);
+  const GraspObject* object = line.verb == Verb::kGrasp ? &table.find(line.object) : nullptr;
+
+  catch_interrupts();
+  HostIo io(options, robot);
+  open_session(io, needs_camera(line.verb));
+  if (needs_command(line.verb)) take_command(io, line.clear_fault);
+  switch (line.verb) {
+    case Verb::kCalibrate: run_calibrate_verb(io, line); break;
+    case Verb::kAdapt: run_adapt_verb(io, line); break;
+    case Verb::kGrasp: {
+      SessionFiles files(line.state, "grasp");
+      run_grasp(io, files, *object, {}, std::cout);
+      break;
+    }
+    case Verb::kMove: {
+      SessionFiles files(line.state, "move");
+      run_move(io, files, q_goal, T_B_G, line.speed, std::cout);
+      break;
+    }
+    case Verb::kHand: run_hand(io, line.hand == "close" ? 1.0 : 0.0, line.force_permille, std::cout); break;
+    case Verb::kStatus: run_status(io, std::cout); break;
+    case Verb::kStop: run_stop(io, std::cout); break;
+    default: break;
+  }
+}
+
+int fail(int code, const std::string& text) {
+  std::cerr << "host: " << text << std::endl;
+  return code;
+}
+
+}  // namespace
+
+int run(const CommandLine& line) try {
+  if (line.verb == Verb::kRobotImport) {
+    write_atomically(line.out, import_urdf(line.urdf, line.base_link, line.tip_link));
+    return 0;
+  }
+  if (line.verb == Verb::kCalibrate && !line.dataset.empty()) {
+    return run_calibrate_dataset(line.dataset, line.out, std::cout);
+  }
+  run_online(line);
+  return 0;
+} catch (const ConfigError& error) {
+  return fail(2, error.what());
+} catch (const PeerLost& error) {
+  return fail(3, error.what());
+} catch (const CameraLost& error) {
+  return fail(3, error.what());
+} catch (const net::ClockLost& error) {
+  return fail(3, error.what());
+} catch (const CommandFailed& error) {
+  return fail(1, error.what());
+} catch (const Interrupted& error) {
+  return fail(1, error.what());
+}
+
+}  // namespace armsight::host

@@ -1,0 +1,33 @@
+// What the operator asked for, as plain values: main.cpp fills it, app.cpp acts on it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace armsight::host {
+
+enum class Verb { kCalibrate, kAdapt, kGrasp, kMove, kHand, kStatus, kStop, kPrintMarker, kRobotImport };
+
+struct CommandLine {
+  Verb verb = Verb::kStatus;
+  std::string arm, state = "state/host", robot = "arm_controller/config/ego_right_arm.yaml";
+  std::string camera, intrinsics, clock;
+  bool clear_fault = false;
+
+  int looks = 0;               ///< 0: the verb's default
+  double target_sigma_mm = 0.0;
+  std::string dataset;         ///< calibrate
+  std::string object, grasps = "host/config/grasps.yaml";
+  std::vector<double> joints_rad, pose;  ///< pose: x, y, z in m, then qw, qx, qy, qz
+  double speed = 1.0;
+  std::string hand;            ///< open | close
+  double force_permille = 500;
+  int marker_id = -1;          ///< print marker; -1: the hand's
+  double marker_size_mm = 0.0; ///< 0: the hand's
+  std::string dictionary, out, urdf, base_link, tip_link;
+};
+
+/// Does it; answers the exit code (0 done, 1 refused or failed, 2 bad input, 3 peer lost) after one line on stderr.
+int run(const CommandLine& line);
+
+}  // namespace armsight::host

@@ -1,0 +1,92 @@
+// host: sees, learns, adapts, grasps. This file is the command line alone; app.cpp does the rest.
+#include <CLI/CLI.hpp>
+
+#include "host/command_line.hpp"
+
+namespace {
+
+using armsight::host::CommandLine;
+using armsight::host::Verb;
+
+void add_connection(CLI::App& app, CommandLine& line) {
+  app.add_option("--arm", line.arm, "arm controller, ADDR:PORT");
+  app.add_option("--state", line.state, "folder for results, pictures and the calibration")->capture_default_str();
+  app.add_option("--robot", line.robot, "robot file; must describe the arm as the controller's does")->capture_default_str();
+  app.add_option("--camera", line.camera, "sim:ADDR:PORT | v4l2:DEV | video:FILE | folder:DIR");
+  app.add_option("--intrinsics", line.intrinsics, "camera intrinsics, ROS camera_info or OpenCV YAML; sim announces its own");
+  app.add_option("--clock", line.clock, "sim:PATH joins the simulated robot's clock; default: the machine's");
+  app.add_flag("--clear-fault", line.clear_fault, "clear a latched fault before taking command");
+}
+
+CLI::App* add_verb(CLI::App& app, CommandLine& line, const std::string& name, const std::string& help, Verb verb) {
+  CLI::App* sub = app.add_subcommand(name, help);
+  sub->callback([&line, verb] { line.verb = verb; });
+  sub->fallthrough();
+  return sub;
+}
+
+void add_learning(CLI::App& app, CommandLine& line) {
+  CLI::App* calibrate = add_verb(app, line, "calibrate", "learn camera pose and joint offsets by moving and looking, or from a data set", Verb::kCalibrate);
+  calibrate->add_option("--looks", line.looks, "accepted looks to make (20)")->check(CLI::Range(6, 200));
+  calibrate->add_option("--target-sigma-mm", line.target_sigma_mm, "stop when the hand is known better than this; 0: never")->check(CLI::Range(0.0, 100.0));
+  calibrate->add_option("--dataset", line.dataset, "folder with dataset.yaml and samples; needs no arm");
+  calibrate->add_option("--out", line.out, "with --dataset: JSON file to write");
+  CLI::App* adapt = add_verb(app, line, "adapt", "correct the model by a few looks at the hand", Verb::kAdapt);
+  adapt->add_option("--looks", line.looks, "looks to make (5)")->check(CLI::Range(1, 50));
+  adapt->add_option("--target-sigma-mm", line.target_sigma_mm, "stop when the hand is known better than this; 0: never")->check(CLI::Range(0.0, 100.0));
+}
+
+void add_acting(CLI::App& app, CommandLine& line) {
+  CLI::App* grasp = add_verb(app, line, "grasp", "find an object by its marker and grasp it", Verb::kGrasp);
+  grasp->add_option("--object", line.object, "name in the grasp table")->required();
+  grasp->add_option("--grasps", line.grasps, "grasp table")->capture_default_str();
+  CLI::App* move = add_verb(app, line, "move", "drive to a posture or a hand pose", Verb::kMove);
+  CLI::Option* joints = move->add_option("--joints", line.joints_rad, "real joint angles in rad, q1,q2,…")->delimiter(',');
+  CLI::Option* pose = move->add_option("--pose", line.pose, "hand in the base: x,y,z in m, then qw,qx,qy,qz")->delimiter(',')->expected(7);
+  joints->excludes(pose);
+  move->add_option("--speed", line.speed, "share of the working speed")->check(CLI::Range(0.01, 1.0));
+  CLI::App* hand = add_verb(app, line, "hand", "open or close the hand", Verb::kHand);
+  hand->add_option("what", line.hand, "open | close")->required()->check(CLI::IsMember({"open", "close"}));
+  hand->add_option("--force", line.force_permille, "grip limit in per mille of the rated force")->check(CLI::Range(1.0, 1000.0));
+  add_verb(app, line, "status", "tell mode, joints, model, faults and statistics", Verb::kStatus);
+  add_verb(app, line, "stop", "stop the arm and hold; works whoever commands it", Verb::kStop);
+}
+
+void add_tools(CLI::App& app, CommandLine& line) {
+  CLI::App* print = app.add_subcommand("print", "print things to the scale of the world");
+  print->require_subcommand(1);
+  CLI::App* marker = add_verb(*print, line, "marker", "a marker with a 100 mm ruler", Verb::kPrintMarker);
+  marker->add_option("--id", line.marker_id, "marker id; default: the hand's")->check(CLI::Range(0, 1023));
+  marker->add_option("--size-mm", line.marker_size_mm, "outer edge of the black border; default: the hand's")->check(CLI::Range(5.0, 500.0));
+  marker->add_option("--dictionary", line.dictionary, "default: the hand's");
+  marker->add_option("--out", line.out, "FILE.svg or FILE.pdf")->required();
+  CLI::App* robot = app.add_subcommand("robot", "robot files");
+  robot->require_subcommand(1);
+  CLI::App* import = add_verb(*robot, line, "import", "make a robot file from a URDF", Verb::kRobotImport);
+  import->add_option("urdf", line.urdf, "URDF file")->required();
+  import->add_option("--base", line.base_link, "link the chain starts from")->required();
+  import->add_option("--tip", line.tip_link, "link that is the hand")->required();
+  import->add_option("--out", line.out, "robot file to write")->required();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app("host: sees the arm, learns its camera and joint offsets, adapts them and grasps", "host");
+  app.require_subcommand(1);
+  app.fallthrough();
+  add_connection(app, line);
+  add_learning(app, line);
+  add_acting(app, line);
+  add_tools(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    app.exit(error);
+    return 2;
+  }
+  return armsight::host::run(line);
+}

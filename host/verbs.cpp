@@ -1,0 +1,92 @@
+#include "host/verbs.hpp"
+
+#include <ostream>
+
+#include "host/json_out.hpp"
+#include "host/motion.hpp"
+#include "host/text.hpp"
+
+namespace armsight::host {
+namespace {
+
+constexpr double kPosePosition_m = 0.001;
+constexpr double kPoseOrientation_rad = 0.02;
+constexpr Duration kStopTimeout = std::chrono::seconds(5);
+constexpr Duration kStatisticsTimeout = std::chrono::milliseconds(1200);  // the controller tells them every second
+
+void check_joints(const RobotConfig& robot, const JointVector& q_real) {
+  if (q_real.size() != robot.arm.joint_count()) {
+    throw ConfigError("--joints: " + std::to_string(q_real.size()) + " values: must be one a joint, " +
+                      std::to_string(robot.arm.joint_count()));
+  }
+}
+
+}  // namespace
+
+void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const std::optional<Pose>& T_B_G,
+              double speed_scale, std::ostream& progress) {
+  MoveRecord record;
+  MotionResult motion;
+  if (T_B_G) {
+    record.T_B_G = T_B_G;
+    const PoseTarget target{wire::GOAL_FRAME_BASE, *T_B_G, model_in_force(io).revision, kPosePosition_m, kPoseOrientation_rad, real_now(io)};
+    motion = drive_to(io, target);
+  } else {
+    check_joints(io.robot(), q_real);
+    record.q_goal_real = q_real;
+    motion = drive_to(io, q_real, {speed_scale, {}});
+  }
+  record.status = motion.status;
+  record.state = motion.has_arrived ? "arrived" : motion.why;
+  record.model = model_in_force(io);
+  if (motion.has_arrived) {  // as it stands, not as it came to the goal's tolerance
+    record.status.set_arm_time_ns(io.arm().state()->arm_time_ns());
+    *record.status.mutable_q_reading_rad() = io.arm().state()->q_reading_rad();
+  }
+  files.save_result(to_json(record));
+  if (!motion.has_arrived) throw CommandFailed("move: " + motion.why);
+  progress << "arrived: joints " << degrees_text(real_now(io)) << " deg, " << fixed(motion.status.position_error_m() * 1e3, 2)
+           << " mm, " << fixed(degrees(motion.status.orientation_error_rad()), 2) << " deg from the goal" << std::endl;
+}
+
+void run_hand(HostIo& io, double closure, double force_permille, std::ostream& progress) {
+  const HandResult hand = move_hand(io, closure, force_permille);
+  progress << "hand: fingers at " << fixed(100 * hand.closure, 0) << " % with " << fixed(hand.effort_permille / 10, 0)
+           << " % of their force" << std::endl;
+}
+
+void run_status(HostIo& io, std::ostream& out) {
+  ArmLink& arm = io.arm();
+  io.wait_until([&] { return arm.statistics().has_value(); }, kStatisticsTimeout);
+  const wire::HelloReply& hello = *arm.hello();
+  const wire::ArmState& state = *arm.state();
+  const LearnedModel model = model_in_force(io);
+  out << "controller: " << hello.program() << ", robot " << hello.robot() << ", bus " << hello.bus() << ", "
+      << fixed(hello.rate_hz(), 0) << " Hz\n"
+      << "mode:       " << to_text(state.mode()) << (state.is_still() ? ", still" : ", moving") << "\n"
+      << "joints:     " << degrees_text(reading_now(io)) << " deg read, " << degrees_text(real_now(io)) << " deg real\n"
+      << "hand:       " << fixed(100 * state.hand_closure(), 0) << " % closed\n"
+      << "model:      revision " << model.revision << " (" << arm.model()->source() << "), offsets "
+      << degrees_text(model.beta) << " deg\n";
+  if (state.fault_code() != 0) {
+    out << "fault:      " << state.fault_code() << (arm.fault() ? " (" + arm.fault()->side() + "): " + arm.fault()->text() : "") << "\n";
+  } else {
+    out << "fault:      none\n";
+  }
+  if (const auto& s = arm.statistics()) {
+    out << "cycles:     " << s->cycles() << ", " << s->missed() << " missed, tick " << fixed(s->tick_us_p50(), 1) << " us (p99.9 "
+        << fixed(s->tick_us_p999(), 1) << " us), " << s->protocol_errors() << " protocol errors\n";
+  }
+  out << std::flush;
+}
+
+void run_stop(HostIo& io, std::ostream& out) {
+  wire::Envelope stop;
+  stop.mutable_stop()->set_reason("the operator asked for it");
+  io.demand(std::move(stop), "stop");
+  const auto rests = [&] { return io.arm().state() && io.arm().state()->mode() != wire::MODE_SERVO && io.arm().state()->mode() != wire::MODE_STOPPING; };
+  if (!io.wait_until(rests, kStopTimeout)) throw CommandFailed("stop: the arm still moves after 5 s");
+  out << "stopped: " << to_text(io.arm().state()->mode()) << std::endl;
+}
+
+}  // namespace armsight::host

@@ -1,0 +1,22 @@
+// The small verbs: move, hand, status, stop. Each a plain function over an open HostIo.
+#pragma once
+
+#include <iosfwd>
+#include <optional>
+
+#include "host/host_io.hpp"
+#include "host/session_files.hpp"
+
+namespace armsight::host {
+
+/// To a posture (real angles) or, with T_B_G, to a pose of the hand in B. Writes move.json; throws CommandFailed when
+/// the arm did not get there.
+void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const std::optional<Pose>& T_B_G,
+              double speed_scale, std::ostream& progress);
+void run_hand(HostIo& io, double closure, double force_permille, std::ostream& progress);
+/// Mode, joints, model, faults, statistics; needs no lease.
+void run_status(HostIo& io, std::ostream& out);
+/// Needs no lease.
+void run_stop(HostIo& io, std::ostream& out);
+
+}  // namespace armsight::host
