@@ -1,0 +1,170 @@
+// The general problem: its Jacobians, its tangent, its null space in words.
+#include <gtest/gtest.h>
+
+#include "host/batch_calibration.hpp"
+#include "host/closed_form.hpp"
+#include "host/observability.hpp"
+#include "tests/shared/default_arm.hpp"
+
+namespace armsight::host {
+namespace {
+
+Pose random_pose(double size_m, double angle_rad, std::mt19937& random) {
+  return {so3_exp(test::random_vector(angle_rad, random)), test::random_vector(size_m, random)};
+}
+
+/// A camera on a chain of two joints, one target on a chain of five, one fixed to the root; corners on the second.
+ChainModel two_chain_model(std::mt19937& random) {
+  ChainModel model;
+  model.chains.push_back({"head", test::general_chain(2, 3), {0, 1}, false});
+  model.chains.push_back({"arm", test::general_chain(5, 4), {2, 3, 4, 5, 6}, false});
+  for (int j = 0; j < 7; ++j) model.offsets.push_back({"joint_" + std::to_string(j), 0.02 * j, Freedom::kFree, 0, 0});
+  model.camera_chain = 0;
+  model.T_C_a = {"the camera on head", random_pose(0.1, 0.5, random), Freedom::kFree, {}, 0, 0};
+  ProblemTarget hand, board;
+  hand.name = "hand";
+  hand.chain = 1;
+  hand.T_b_M = {"the mount of hand", random_pose(0.05, 0.5, random), Freedom::kFree, {}, 0, 0};
+  hand.scale = {"hand", 0.97, Freedom::kFree, 1, 0};
+  board.name = "board";
+  board.T_b_M = {"the place of board", random_pose(0.5, 0.3, random), Freedom::kFree, {}, 0, 0};
+  board.scale = {"board", 1.02, Freedom::kFree, 1, 0};
+  model.targets = {hand, board};
+  model.camera = {640, 480, 500, 510, 320, 240, {-0.1, 0.02, 0.001, -0.002, 0.003}};
+  return model;
+}
+
+Observation random_observation(const ChainModel& model, int target, bool corners, std::mt19937& random) {
+  Observation z;
+  z.target = target;
+  z.q = Eigen::VectorXd::Zero(7);
+  for (int j = 0; j < 7; ++j) z.q[j] = test::random_vector(0.5, random)[0];
+  z.R_vision = Matrix6::Identity() * 1e-6;
+  const Pose predicted = predicted_T_C_M(model, z);
+  z.T_C_M = {so3_exp(test::random_vector(0.3, random)) * predicted.R, predicted.p + test::random_vector(0.05, random)};
+  if (!corners) return z;
+  z.sigma_px = 0.3;
+  for (int k = 0; k < 4; ++k) {
+    z.points_M.push_back(test::random_vector(0.02, random));
+    z.pixels.push_back({300.0 + 10 * k, 200.0 - 5 * k});
+  }
+  return z;
+}
+
+/// Shifts the camera until the target stands in front of it.
+void put_in_front(ChainModel& model, const Observation& z) {
+  model.T_C_a.value.p += Vector3(0.05, -0.03, 1.0) - predicted_T_C_M(model, z).p;
+}
+
+TEST(ChainProblem, ItsJacobiansAgreeWithDifferences) {
+  std::mt19937 random(1);
+  ChainModel model = two_chain_model(random);
+  const NoiseModel noise{0.001, 0.001, 0.005};
+  for (int k = 0; k < 20; ++k) {
+    const Observation z = random_observation(model, k % 2, k % 3 == 0, random);
+    put_in_front(model, z);
+    const std::vector<char> used{1};
+    const UnknownLayout layout = unknown_layout(model);
+    const auto involved = involved_joints(model, z.target);
+    const Eigen::MatrixXd W = square_root_information(model, z, noise);
+    const Eigen::MatrixXd J = whitened_jacobian(model, {z}, used, noise, layout, false);
+    for (int c = 0; c < layout.columns; ++c) {
+      const double h = 1e-6;
+      const Eigen::VectorXd x = h * Eigen::VectorXd::Unit(layout.columns, c);
+      const Eigen::VectorXd slope =
+          W * (*residual_only(retract(model, layout, x), z) - *residual_only(retract(model, layout, -x), z)) / (2 * h);
+      EXPECT_LT((slope - J.col(c)).norm(), 1e-6 * (1.0 + W.norm() * residual_of(model, z, involved)->J.norm())) << c;
+    }
+  }
+}
+
+TEST(ChainProblem, TheSolversCostFunctionsAgreeWithItsOwnGradientChecker) {
+  std::mt19937 random(2);
+  ChainModel model = two_chain_model(random);
+  for (int k = 0; k < 10; ++k) {
+    const Observation z = random_observation(model, k % 2, k % 3 == 0, random);
+    put_in_front(model, z);
+    EXPECT_LT(jacobian_disagreement(model, {z}, {0.001, 0.001, 0.005}), 1e-6);
+  }
+}
+
+TEST(ChainProblem, NamesWhatTheLooksCannotTell) {
+  std::mt19937 random(3);
+  ChainModel model = two_chain_model(random);
+  model.targets.pop_back();  // head camera and hand target only
+  model.targets[0].scale.freedom = Freedom::kFixed;
+  std::vector<Observation> looks;
+  for (int k = 0; k < 30; ++k) looks.push_back(random_observation(model, 0, false, random));
+  const std::vector<char> used(looks.size(), 1);
+  model.chains[0].chain.T_after[1] = Pose{};  // the camera sits on joint 2's axis frame ...
+  model.chains[1].chain.T_after[4] = Pose{};  // ... and the mount on joint 5's: two plain gauges
+  const Observability seen = observe(model, looks, used, {0, 0.001, 0.005});
+  EXPECT_EQ(seen.parameters, 19);
+  EXPECT_EQ(seen.rank, 17);
+  ASSERT_EQ(seen.sentences.size(), 2u);
+  const auto held = hold_unobservable_offsets(model, looks, used, {0, 0.001, 0.005});
+  ASSERT_EQ(held.size(), 2u);
+  EXPECT_EQ(model.offsets[1].freedom, Freedom::kFixed);
+  EXPECT_EQ(model.offsets[6].freedom, Freedom::kFixed);
+  EXPECT_NE((held[0] + held[1]).find("joint_1 and a turn of the camera on head about its axis (0.00, 0.00, 1.00)"),
+            std::string::npos)
+      << held[0] << "\n" << held[1];
+}
+
+TEST(ClosedForm, FindsBothMountsWithoutAGuess) {
+  std::mt19937 random(4);
+  ChainModel truth = two_chain_model(random);
+  truth.targets.pop_back();
+  truth.targets[0].scale.value = 1.0;
+  std::vector<Observation> looks;
+  for (int k = 0; k < 20; ++k) {
+    looks.push_back(random_observation(truth, 0, false, random));
+    looks.back().T_C_M = predicted_T_C_M(truth, looks.back());
+  }
+  ChainModel start = truth;
+  start.T_C_a.value = {};
+  start.targets[0].T_b_M.value = {};
+  double best = 1e9;
+  for (const auto& s : closed_form_starts(start, looks)) {
+    best = std::min(best, pose_error(s.T_C_a.value, truth.T_C_a.value).norm() +
+                              pose_error(s.targets[0].T_b_M.value, truth.targets[0].T_b_M.value).norm());
+  }
+  EXPECT_LT(best, 1e-6);
+}
+
+TEST(BatchCalibration, FindsMountsAndOffsetsAndNamesGrossOutliers) {
+  std::mt19937 random(5);
+  ChainModel truth = two_chain_model(random);
+  truth.targets.pop_back();
+  truth.targets[0].scale.value = 1.0;
+  truth.targets[0].scale.freedom = Freedom::kFixed;
+  std::vector<Observation> looks;
+  for (int k = 0; k < 40; ++k) {
+    looks.push_back(random_observation(truth, 0, false, random));
+    const Pose exact = predicted_T_C_M(truth, looks.back());
+    looks.back().T_C_M = {so3_exp(test::random_vector(0.002, random)) * exact.R,
+                          exact.p + test::random_vector(0.0005, random)};
+  }
+  for (const int bad : {3, 17, 29, 31}) looks[static_cast<std::size_t>(bad)].T_C_M.R *= so3_exp(Vector3(0, 2.3, 0));
+  ChainModel start = truth;
+  start.T_C_a.value = {};
+  start.targets[0].T_b_M.value = {};
+  for (auto& offset : start.offsets) offset.value = 0.0;
+  start.offsets[1].freedom = start.offsets[6].freedom = Freedom::kFixed;  // the gauges
+  BatchOptions options;
+  options.noise = {0, 0.0005, 0.002};
+  const BatchSolution solution = solve_batch(closed_form_starts(start, looks), looks, options);
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const bool is_bad = i == 3 || i == 17 || i == 29 || i == 31;
+    EXPECT_EQ(solution.looks[i].used, !is_bad) << i << " " << solution.looks[i].norm;
+  }
+  EXPECT_NE(solution.looks[3].reason.find("deg off"), std::string::npos);
+  std::mt19937 fresh(6);
+  const Observation unseen = random_observation(truth, 0, false, fresh);
+  const Vector6 e = pose_error(predicted_T_C_M(solution.model, unseen), predicted_T_C_M(truth, unseen));
+  EXPECT_LT(e.head<3>().norm(), 0.001);
+  EXPECT_LT(e.tail<3>().norm(), 0.004);
+}
+
+}  // namespace
+}  // namespace armsight::host
