@@ -1,0 +1,54 @@
+// Learn: robust maximum likelihood for the problem of host/chain_problem.hpp, (4.5)–(4.7) whitened as in
+// specification §5.4. The only files that know Ceres; one thread, deterministic.
+// Several starts are scored by their robust cost, the best are refined, the loss follows the residuals' own spread,
+// gross outliers leave with a reason, and a look's second planar solution is taken where it fits better.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/chain_problem.hpp"
+
+namespace armsight::host {
+
+enum class RobustLoss { kNone, kHuber, kCauchy };
+
+struct BatchOptions {
+  NoiseModel noise;
+  RobustLoss loss = RobustLoss::kCauchy;
+  double loss_per_median = 2.0;     ///< width of the loss over the median whitened residual norm of a look ...
+  double outlier_per_median = 5.0;  ///< ... and the norm from which a look is left out
+  int refined_starts = 3;
+  int rounds = 3;                   ///< reweighting rounds
+  int max_iterations = 60;          ///< Levenberg-Marquardt steps a round
+};
+
+struct LookResult {
+  bool used = true;
+  bool second_solution = false;
+  double norm = 0.0;    ///< ‖W r‖ / sqrt(rows): 1 where the noise model is right
+  std::string reason;   ///< why it is left out
+};
+
+struct BatchSolution {
+  ChainModel model;
+  std::vector<LookResult> looks;
+  std::vector<char> used;            ///< looks[i].used, as whitened_jacobian wants it
+  std::vector<Observation> observations;  ///< with the second solutions swapped in
+  double misfit = 0.0;               ///< rms of norm over the used looks
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Throws std::invalid_argument for no start or no observation.
+BatchSolution solve_batch(const std::vector<ChainModel>& starts, const std::vector<Observation>& observations,
+                          const BatchOptions& options);
+
+/// Σ log(1 + norm²/9) over the looks at this model: small is good, outliers count little.
+double robust_score(const ChainModel& model, const std::vector<Observation>& observations, const NoiseModel& noise);
+
+/// Largest relative disagreement, block by block, between the analytic Jacobians and Ceres' numeric ones.
+double jacobian_disagreement(const ChainModel& model, const std::vector<Observation>& observations,
+                             const NoiseModel& noise);
+
+}  // namespace armsight::host
