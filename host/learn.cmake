@@ -1,0 +1,25 @@
+# Learn: the batch calibration and everything a data set needs. Ceres only in batch_calibration*.cpp.
+add_library(armsight_host_learn STATIC
+  batch_calibration.cpp
+  batch_calibration_cost.cpp
+  calibrate_arm.cpp
+  calibrate_dataset.cpp
+  calibrate_dataset_report.cpp
+  chain_problem.cpp
+  chain_unknowns.cpp
+  closed_form.cpp
+  cross_validation.cpp
+  csv_table.cpp
+  dataset.cpp
+  dataset_csv.cpp
+  dataset_pictures.cpp
+  dataset_yaml.cpp
+  observability.cpp
+  pinhole_projection.cpp
+  robot_description.cpp
+  stream_alignment.cpp
+  urdf_import.cpp)
+target_link_libraries(armsight_host_learn
+  PUBLIC armsight_core armsight_protocol armsight_host_vision
+  PRIVATE Ceres::ceres PkgConfig::urdfdom opencv_calib3d opencv_imgcodecs opencv_imgproc
+          nlohmann_json::nlohmann_json armsight_warnings)
