@@ -130,8 +130,12 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
     command.q_rad = joints.q_rad;
     command.hand_closure = joints.hand_closure;
   }
+  // A drive that an earlier controller left holding must not drop the arm: power goes off by command only.
   const bool stays_stopped = mode_ == Mode::kFault || mode_ == Mode::kRecovering;
-  command.power = stays_stopped ? PowerRequest::kQuickStop : wants_power_ ? PowerRequest::kOn : PowerRequest::kOff;
+  command.power = stays_stopped  ? PowerRequest::kQuickStop
+                  : wants_power_ ? PowerRequest::kOn
+                  : asked_off_   ? PowerRequest::kOff
+                                 : PowerRequest::kQuickStop;
   command.recover = wants_recover_;
   wants_recover_ = false;
 }

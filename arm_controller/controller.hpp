@@ -61,6 +61,7 @@ class Controller {
   double period_s_;
   Mode mode_ = Mode::kBoot;
   bool wants_power_ = false, wants_recover_ = false, bus_is_ready_ = false;
+  bool asked_off_ = false;        ///< else drives that hold after a quick stop keep holding
   bool announced_start_ = false;
   Fault fault_;
   int late_in_a_row_ = 0;

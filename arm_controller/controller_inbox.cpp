@@ -40,6 +40,7 @@ void Controller::take_mode_order(const ModeOrder& order) noexcept {
   }
   if (order.wish == PowerWish::kHold && mode_ == Mode::kServo) stop("hold was asked for");
   wants_power_ = order.wish == PowerWish::kHold;
+  asked_off_ = !wants_power_;
   if (!wants_power_) apply(ModeEvent::kPowerOff);
 }
 

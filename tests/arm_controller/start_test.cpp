@@ -1,0 +1,68 @@
+// Starting: flags, a missing interface, a damaged state folder. Nothing moves, nothing is overwritten.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <fstream>
+
+#include "arm_controller/flags.hpp"
+#include "arm_controller/socket_can.hpp"
+#include "arm_controller/state_folder.hpp"
+#include "tests/arm_controller/arm_rig.hpp"
+
+namespace armsight::arm::test {
+namespace {
+
+Flags parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "arm_controller");
+  return parse_flags(static_cast<int>(words.size()), words.data());
+}
+
+std::string complaint(std::vector<const char*> words) {
+  try {
+    parse(std::move(words));
+  } catch (const FlagError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Flags, ReadTheContract) {
+  const Flags f = parse({"--config", "r.yaml", "--listen=127.0.0.1:0", "--state", "s", "--bus", "emulated:/b", "--clock",
+                         "sim:/c", "--rate", "500"});
+  EXPECT_EQ(f.config, "r.yaml");
+  EXPECT_EQ(f.emulated_bus, "/b");
+  EXPECT_EQ(f.sim_clock, "/c");
+  EXPECT_EQ(f.rate_hz, 500.0);
+}
+
+TEST(Flags, RefuseWhatIsUnknownMissingOrOpenToTheNetwork) {
+  EXPECT_NE(complaint({"--confg", "x"}).find("--confg: unknown"), std::string::npos);
+  EXPECT_NE(complaint({"--config", "x"}).find("--listen is missing"), std::string::npos);
+  EXPECT_NE(complaint({"--config", "x", "--listen", "0.0.0.0:1", "--state", "s", "--can", "can0"}).find("loopback"),
+            std::string::npos);
+  EXPECT_NE(complaint({"--config", "x", "--listen", "127.0.0.1:0", "--state", "s"}).find("exactly one"),
+            std::string::npos);
+  EXPECT_NE(complaint({"--rate", "fast"}).find("must be a number"), std::string::npos);
+}
+
+TEST(SocketCan, ReportsAMissingInterfaceAndNeverFallsBack) {
+  const auto clock = net::make_monotonic_clock(std::chrono::milliseconds(4));
+  try {
+    open_socket_can("can_none", *clock);
+    FAIL() << "opened an interface that does not exist";
+  } catch (const BusError& e) {
+    EXPECT_NE(std::string(e.what()).find("'can_none'"), std::string::npos) << e.what();
+  }
+}
+
+TEST(StateFolder, RefusesADamagedModelAndLeavesItAsItIs) {
+  std::string pattern = (std::filesystem::temp_directory_path() / "arm_state_XXXXXX").string();
+  const std::filesystem::path folder = ::mkdtemp(pattern.data());
+  std::ofstream(folder / "model.yaml") << "robot: [";
+  EXPECT_THROW(load_model_in_force(folder, nominal_robot()), ConfigError);
+  EXPECT_EQ(std::filesystem::file_size(folder / "model.yaml"), 8u);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace armsight::arm::test
