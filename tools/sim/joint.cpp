@@ -11,12 +11,14 @@ constexpr double kFollowTime_s = 0.025;
 constexpr double kMaxSpeed_rad_s = 6.0;               // actuator, specification §4.4
 constexpr double kMaxAcceleration_rad_s2 = 60.0;
 constexpr double kQuickStop_rad_s2 = 20.0;
+constexpr double kCreep_rad_s = 1.0;                  // of the joint's zero, when it drifts
 constexpr double kFollowingWindow_rad = 0.35;
 constexpr double kStiffness_permille_rad = 8000.0;    // torque shown for the distance between target and joint
 
 }  // namespace
 
-Joint::Joint(const JointTruth& truth, double start_rad) : truth_(truth), q_(start_rad) {
+Joint::Joint(const JointTruth& truth, double start_rad)
+    : truth_(truth), beta_goal_rad_(truth.beta_rad), q_(start_rad) {
   target_reading_rad_ = reading_rad();
 }
 
@@ -33,6 +35,7 @@ double Joint::wanted_speed() const {
 }
 
 void Joint::step(double dt_s) {
+  truth_.beta_rad += std::clamp(beta_goal_rad_ - truth_.beta_rad, -kCreep_rad_s * dt_s, kCreep_rad_s * dt_s);
   const double limit = (mode_ == MotorMode::kFollow ? kMaxAcceleration_rad_s2 : kQuickStop_rad_s2) * dt_s;
   speed_ += std::clamp(wanted_speed() - speed_, -limit, limit);
   q_ += speed_ * dt_s;

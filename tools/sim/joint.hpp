@@ -22,7 +22,8 @@ class Joint : public Motor {
   Joint(const JointTruth& truth, double start_rad);
 
   void step(double dt_s);
-  void set_beta(double beta_rad) { truth_.beta_rad = beta_rad; }
+  /// The zero creeps there within a tenth of a second: offsets drift, they do not jump (a jump is an encoder fault).
+  void set_beta(double beta_rad) { beta_goal_rad_ = beta_rad; }
   double q_rad() const { return q_; }
   double speed_rad_s() const { return speed_; }
 
@@ -38,6 +39,7 @@ class Joint : public Motor {
   double wanted_speed() const;
 
   JointTruth truth_;
+  double beta_goal_rad_;
   double q_, speed_ = 0.0;
   MotorMode mode_ = MotorMode::kOff;
   double target_reading_rad_ = 0.0;
