@@ -1,0 +1,207 @@
+#include "tools/sim/simulation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include "arm_controller/socket_can.hpp"
+#include "protocol/candump.hpp"
+#include "tools/sim/bus_hub.hpp"
+#include "tools/sim/sim_clock_server.hpp"
+#include "tools/sim/truth_file.hpp"
+#include "tools/sim/world.hpp"
+
+namespace armsight::sim {
+
+namespace {
+
+constexpr Duration kRealStep = std::chrono::milliseconds(1);
+constexpr Duration kCameraStep = std::chrono::milliseconds(2);
+constexpr Duration kInstant{1};
+
+}  // namespace
+
+struct Simulation::Impl {
+  explicit Impl(const SimulationOptions& o);
+
+  SimulationOptions options;
+  SimClockServer server;
+  BusModel bus;
+  World world;
+  std::unique_ptr<BusHub> hub;             ///< emulated bus
+  std::unique_ptr<arm::CanBus> interface;  ///< or a real one
+  std::vector<int> node_ports;
+  std::ofstream log;
+  bool is_lost = false;
+
+  Time start() const { return options.is_lockstep ? time_from_ns(kFirstTime_ns) : time_from_ns(net::monotonic_ns()); }
+  void attach_nodes();
+  void open_log();
+  void note(const CanFrame& frame, Time time);
+  void send_from_node(std::size_t node, const CanFrame& frame, Time now);
+  void simulate_until(Time until);
+  void receive_from_interface();
+  std::string finish(const std::string& file);
+  WorldAt world_at() const;
+  bool run_lockstep(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping);
+  bool run_real(const std::function<bool()>& is_stopping);
+  void wait_real();
+};
+
+Simulation::Impl::Impl(const SimulationOptions& o)
+    : options(o),
+      server({o.clock_path, o.is_lockstep, seconds_to_duration(o.robot.controller.period_s), o.seed},
+             {[this] { return world.inject_drift(server.clock().now()), std::string(); },
+              [this](const std::string& file) { return finish(file); }}),
+      bus(o.robot.controller.bus_bitrate_bit_s),
+      world(o.robot, o.scene, make_truth(o.robot, o.scene, o.noise, o.mount, o.seed), start(),
+            [this](std::size_t node, const CanFrame& frame, Time now) { send_from_node(node, frame, now); }) {
+  const ToOwnClock to_own = [this](std::uint32_t id, std::int64_t ns) { return server.to_own_ns(id, ns); };
+  if (!o.can_interface.empty()) interface = arm::open_socket_can(o.can_interface, server.clock());
+  else hub = std::make_unique<BusHub>(o.emulated_bus_path, bus, server.clock(), to_own);
+  open_log();
+  attach_nodes();
+  world.power_on(start());
+}
+
+void Simulation::Impl::open_log() {
+  if (options.log_file.empty()) return;
+  log.open(options.log_file);
+  if (!log) throw std::runtime_error(options.log_file.string() + ": cannot be written: " + std::strerror(errno));
+  if (!interface)
+    bus.add_port([this](const CanFrame& frame, Time end, bool) { note(frame, end); });
+}
+
+void Simulation::Impl::note(const CanFrame& frame, Time time) {
+  if (log.is_open()) log << to_candump({time, interface ? options.can_interface : "emulated", frame, false}) << '\n';
+}
+
+void Simulation::Impl::attach_nodes() {
+  for (std::size_t i = 0; !interface && i < world.node_count(); ++i)
+    node_ports.push_back(bus.add_port([this, i](const CanFrame& frame, Time end, bool is_own_echo) {
+      if (is_own_echo) return;
+      world.advance_to(end);
+      world.on_frame(i, frame, end);
+    }));
+}
+
+void Simulation::Impl::send_from_node(std::size_t node, const CanFrame& frame, Time now) {
+  if (!interface) {
+    bus.send(node_ports[node], frame, now);  // a full queue drops the frame, as in a drive's mailbox
+    return;
+  }
+  if (interface->send(frame) == arm::SendResult::kSent) note(frame, now);
+}
+
+/// Events in order of time: the end of a frame, or a node's timer.
+void Simulation::Impl::simulate_until(Time until) {
+  while (true) {
+    const Time timer = world.next_time();
+    const Time frame = bus.next_event();
+    if (std::min(timer, frame) >= until) break;
+    if (timer <= frame) world.advance_to(timer);
+    else bus.run_until(frame + kInstant);
+  }
+  world.advance_to(until);
+}
+
+std::string Simulation::Impl::finish(const std::string& file) {
+  const std::uint32_t arm = server.last_arm_controller();
+  try {
+    write_truth(world, file, [this, arm](Time t) { return server.to_own_ns(arm, to_ns(t)); }, server.clock().now());
+    log.flush();
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+WorldAt Simulation::Impl::world_at() const {
+  return [this](double time_s) { return world.plant().view(time_s); };
+}
+
+bool Simulation::Impl::run_lockstep(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping) {
+  const WorldAt at = world_at();
+  const Duration period = seconds_to_duration(options.robot.controller.period_s);
+  while (server.run_participants(is_stopping)) {
+    const Time end = server.clock().now() + period;
+    hub->receive();
+    simulate_until(end);
+    server.clock().set_now(end - kInstant);  // frames sent now arrive within this cycle
+    advance_camera(to_ns(end), at);
+    server.end_cycle();
+  }
+  return server.is_finished();
+}
+
+void Simulation::Impl::receive_from_interface() {
+  arm::BusFrame received;
+  while (interface->receive(received)) {
+    note(received.frame, received.time);
+    for (std::size_t i = 0; !received.is_own_echo && i < world.node_count(); ++i)
+      world.on_frame(i, received.frame, time_from_ns(net::monotonic_ns()));
+  }
+  is_lost = interface->take_errors().lost;
+}
+
+void Simulation::Impl::wait_real() {
+  std::vector<int> descriptors = server.descriptors();
+  if (hub) {
+    const std::vector<int> of_bus = hub->descriptors();
+    descriptors.insert(descriptors.end(), of_bus.begin(), of_bus.end());
+  }
+  const Time now = server.clock().now();
+  const Time wake = std::min({now + kRealStep, bus.next_event(), world.next_time()});
+  // On a real interface there is no descriptor to wait for: look often.
+  const Duration pause = interface ? std::chrono::microseconds(200) : std::max(Duration::zero(), wake - now);
+  net::wait_and_flow(descriptors, pause, nullptr);
+}
+
+bool Simulation::Impl::run_real(const std::function<bool()>& is_stopping) {
+  while (!server.is_finished() && !is_stopping() && !is_lost) {
+    server.serve();
+    simulate_until(server.clock().now());
+    if (hub) hub->receive();
+    else receive_from_interface();
+    wait_real();
+  }
+  return server.is_finished();
+}
+
+Simulation::Simulation(const SimulationOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+
+Simulation::~Simulation() = default;
+
+ServerClock& Simulation::clock() { return impl_->server.clock(); }
+
+ToOwnClock Simulation::to_own_clock() const {
+  return [this](std::uint32_t id, std::int64_t ns) { return impl_->server.to_own_ns(id, ns); };
+}
+
+std::string Simulation::bus_name() const {
+  return impl_->interface ? impl_->interface->name() : "emulated:" + impl_->options.emulated_bus_path;
+}
+
+Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping) {
+  bool is_finished = false;
+  if (impl_->options.is_lockstep) {
+    is_finished = impl_->run_lockstep(advance_camera, is_stopping);
+  } else {
+    std::jthread camera([this, &advance_camera](const std::stop_token& stop) {
+      const WorldAt at = impl_->world_at();
+      while (!stop.stop_requested()) {
+        advance_camera(to_ns(impl_->server.clock().now()), at);
+        std::this_thread::sleep_for(kCameraStep);
+      }
+    });
+    is_finished = impl_->run_real(is_stopping);
+  }
+  if (impl_->is_lost) return End::kBusLost;
+  return is_finished ? End::kFinished : End::kStopped;
+}
+
+}  // namespace armsight::sim
