@@ -1,0 +1,156 @@
+// The emulated bus: who wins, how long a frame takes, what fits, and the socket that programs join by.
+#include <gtest/gtest.h>
+
+#include "arm_controller/emulated_bus.hpp"
+#include "tests/sim/temporary_folder.hpp"
+#include "tools/sim/bus_hub.hpp"
+#include "tools/sim/in_process_bus.hpp"
+
+namespace armsight::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+CanFrame frame_of(std::uint32_t id, std::uint8_t size = 8) {
+  CanFrame frame;
+  frame.id = id;
+  frame.size = size;
+  return frame;
+}
+
+std::vector<arm::BusFrame> all(arm::CanBus& bus) {
+  std::vector<arm::BusFrame> frames;
+  arm::BusFrame frame;
+  while (bus.receive(frame)) frames.push_back(frame);
+  return frames;
+}
+
+TEST(Bus, TheLowestIdentifierWinsAndFramesTakeTheirTime) {
+  InProcessBus bus;
+  const auto a = bus.join(), b = bus.join();
+  a->send(frame_of(0x201));
+  b->send(frame_of(0x181));
+  bus.advance_to(time_from_ns(1'000'000));
+  const auto seen = all(*a);
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_EQ(seen[0].frame.id, 0x181u);
+  EXPECT_EQ(to_ns(seen[0].time), 135'000) << "8 bytes at 1 Mbit/s, worst case";
+  EXPECT_EQ(to_ns(seen[1].time), 270'000);
+  EXPECT_FALSE(seen[0].is_own_echo);
+  EXPECT_TRUE(seen[1].is_own_echo);
+}
+
+TEST(Bus, AFrameOnTheWireIsNotInterrupted) {
+  InProcessBus bus;
+  const auto a = bus.join(), b = bus.join();
+  a->send(frame_of(0x700));
+  bus.advance_to(time_from_ns(10'000));
+  b->send(frame_of(0x080, 1));
+  bus.advance_to(time_from_ns(1'000'000));
+  const auto seen = all(*a);
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_EQ(seen[0].frame.id, 0x700u);
+  EXPECT_EQ(to_ns(seen[1].time), 135'000 + 65'000);
+}
+
+TEST(Bus, AFullQueueDropsAndSaysSo) {
+  InProcessBus bus(1e6, 3);
+  const auto a = bus.join();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(a->send(frame_of(0x201)), arm::SendResult::kSent);
+  EXPECT_EQ(a->send(frame_of(0x201)), arm::SendResult::kQueueFull);
+  EXPECT_EQ(a->take_errors().send_failures, 1u);
+  EXPECT_EQ(a->take_errors().send_failures, 0u);
+}
+
+/// SYNC, six set-points and six answers a cycle: what is the longest delay of the last answer, and what was dropped?
+struct CycleLoad {
+  Duration last_answer{0};
+  std::uint64_t dropped = 0;
+};
+CycleLoad run_cycles(Duration period, int cycles) {
+  BusModel bus(1e6);
+  std::vector<int> nodes;
+  CycleLoad load;
+  Time cycle_start{};
+  const int controller = bus.add_port([&](const CanFrame& frame, Time end, bool) {
+    if (frame.id > 0x180 && frame.id <= 0x186) load.last_answer = std::max(load.last_answer, end - cycle_start);
+  });
+  for (std::uint32_t node = 1; node <= 6; ++node)
+    nodes.push_back(bus.add_port([&bus, &nodes, node](const CanFrame& frame, Time end, bool) {
+      if (frame.id == kSyncId) bus.send(nodes[node - 1], frame_of(0x180 + node), end);
+    }));
+  for (int i = 0; i < cycles; ++i) {
+    cycle_start = time_from_ns(i * period.count());
+    bus.send(controller, frame_of(kSyncId, 1), cycle_start);
+    for (std::uint32_t node = 1; node <= 6; ++node) bus.send(controller, frame_of(0x200 + node), cycle_start);
+    bus.run_until(cycle_start + period);
+  }
+  load.dropped = bus.dropped();
+  return load;
+}
+
+TEST(Bus, CarriesSixNodesAt250And500HzAndFailsAt1000) {
+  EXPECT_LT(run_cycles(4ms, 500).last_answer, 4ms);
+  EXPECT_EQ(run_cycles(4ms, 500).dropped, 0u);
+  EXPECT_LT(run_cycles(2ms, 500).last_answer, 2ms);
+  EXPECT_EQ(run_cycles(2ms, 500).dropped, 0u);
+  const CycleLoad overloaded = run_cycles(1ms, 500);
+  EXPECT_GT(overloaded.dropped, 100u);
+}
+
+TEST(BusHub, JoinsProgramsAndObserversAtRealPace) {
+  test::TemporaryFolder folder;
+  BusModel bus(1e6);
+  ServerClock clock(false);
+  BusHub hub(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
+  const auto own = net::make_monotonic_clock(1ms);
+  const auto program = arm::join_emulated_bus(folder.file("bus"), *own);
+  arm::BusObserver observer(folder.file("bus"));
+  hub.receive();
+  const int node = bus.add_port([](const CanFrame&, Time, bool) {});
+  EXPECT_EQ(program->send(frame_of(kSyncId, 1)), arm::SendResult::kSent);
+  hub.receive();
+  bus.send(node, frame_of(0x181), clock.now());
+  bus.run_until(clock.now() + 10ms);
+  const auto seen = all(*program);
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_TRUE(seen[0].is_own_echo);
+  EXPECT_EQ(seen[1].frame.id, 0x181u);
+  EXPECT_LT(seen[0].time, seen[1].time);
+  arm::BusFrame frame;
+  ASSERT_TRUE(observer.receive(frame, 100ms));
+  EXPECT_EQ(frame.frame.id, kSyncId);
+}
+
+TEST(BusHub, TellsTheSenderWhoseQueueIsFull) {
+  test::TemporaryFolder folder;
+  BusModel bus(1e6, 2);
+  ServerClock clock(false);
+  BusHub hub(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
+  const auto own = net::make_monotonic_clock(1ms);
+  const auto program = arm::join_emulated_bus(folder.file("bus"), *own);
+  for (int i = 0; i < 5; ++i) program->send(frame_of(0x201));
+  hub.receive();  // joins
+  hub.receive();
+  all(*program);
+  EXPECT_EQ(program->take_errors().send_failures, 3u);
+}
+
+TEST(BusHub, AProgramLosesTheBusWithItsHub) {
+  test::TemporaryFolder folder;
+  BusModel bus(1e6);
+  ServerClock clock(false);
+  auto hub = std::make_unique<BusHub>(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
+  const auto own = net::make_monotonic_clock(1ms);
+  const auto program = arm::join_emulated_bus(folder.file("bus"), *own);
+  hub->receive();
+  hub.reset();
+  arm::BusFrame frame;
+  EXPECT_FALSE(program->receive(frame));
+  EXPECT_TRUE(program->take_errors().lost);
+  EXPECT_EQ(program->send(frame_of(0x201)), arm::SendResult::kBusDown);
+  EXPECT_THROW(arm::join_emulated_bus(folder.file("bus"), *own), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace armsight::sim
