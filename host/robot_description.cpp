@@ -77,7 +77,7 @@ SerialChain to_serial_chain(const DescribedChain& described) {
 
 Vector3 to_rpy(const Matrix3& R) {
   const double cos_pitch = std::hypot(R(0, 0), R(1, 0));
-  const double yaw = cos_pitch > 1e-9 ? std::atan2(R(1, 0), R(0, 0)) : 0.0;  // at ±90° roll and yaw are one turn
+  const double yaw = cos_pitch > 1e-15 ? std::atan2(R(1, 0), R(0, 0)) : 0.0;  // at ±90° roll and yaw are one turn
   const double s = std::sin(yaw), c = std::cos(yaw);
   const double pitch = std::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0));
   const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));  // of Rz(−yaw) R

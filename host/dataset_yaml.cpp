@@ -1,0 +1,262 @@
+// dataset.yaml → chains, camera, targets, noise, what Learn may try. The format is host/DATASET.md.
+#include <algorithm>
+#include <cmath>
+
+#include "host/dataset_parts.hpp"
+#include "host/robot_description.hpp"
+#include "protocol/config_values.hpp"
+
+namespace armsight::host {
+namespace {
+
+constexpr double kFar = 100.0;  // metres: nothing we calibrate is larger
+
+/// {xyz_m, rpy_rad} or {xyz_m, quat_wxyz}.
+Pose read_pose_or_frame(const YamlValue& value) {
+  const YamlValue quat = value.optional_key("quat_wxyz");
+  if (!quat.exists()) return read_frame(value);
+  const std::vector<double> q = quat.numbers(4, -1.001, 1.001);
+  const Pose position{Matrix3::Identity(), read_vector(value.key("xyz_m"), kFar)};
+  if (q.size() != 4) return position;
+  const Eigen::Quaterniond quat_A_B(q[0], q[1], q[2], q[3]);
+  if (std::abs(quat_A_B.norm() - 1.0) > 1e-3) {
+    quat.refuse("must have norm 1");
+    return position;
+  }
+  return {quat_A_B.normalized().toRotationMatrix(), position.p};
+}
+
+Pose optional_pose(const YamlValue& owner, const char* key) {
+  const YamlValue value = owner.optional_key(key);
+  return value.exists() ? read_pose_or_frame(value) : Pose{};
+}
+
+int joint_index(ChainModel& model, const std::string& name) {
+  for (std::size_t j = 0; j < model.offsets.size(); ++j) {
+    if (model.offsets[j].name == name) return static_cast<int>(j);
+  }
+  model.offsets.push_back({name, 0.0, Freedom::kFixed, 0.0, 0.0});
+  return static_cast<int>(model.offsets.size()) - 1;
+}
+
+/// Joints with xyz_m, rpy_rad, axis (URDF's own words), or with dh rows.
+void read_inline_chain(const YamlValue& value, ProblemChain& chain, std::vector<std::string>& names) {
+  const auto joints = value.key("joints").list(1, kMaxJoints);
+  const Pose base = optional_pose(value, "base"), tip = optional_pose(value, "tip");
+  DescribedChain described;
+  std::size_t dh_rows = 0;
+  chain.chain.joint_count = static_cast<int>(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    names.push_back(joints[i].key("name").text());
+    const YamlValue dh = joints[i].optional_key("dh");
+    if (dh.exists()) {
+      ++dh_rows;
+      chain.chain.T_after[i] = dh_transform({dh.key("a_m").number(-5, 5), dh.key("alpha_rad").number(-7, 7),
+                                             dh.key("d_m").number(-5, 5), dh.key("theta_rad").number(-7, 7)});
+      continue;
+    }
+    DescribedJoint joint;
+    joint.origin = read_frame(joints[i]);
+    const YamlValue axis = joints[i].optional_key("axis");
+    if (axis.exists()) joint.axis = read_vector(axis, 1.001);
+    if (axis.exists() && joint.axis.norm() < 0.5) axis.refuse("must be a direction of length 1");
+    described.joints.push_back(joint);
+  }
+  described.tip = tip;
+  if (dh_rows > 0 && dh_rows < joints.size()) value.refuse("must describe all its joints by dh, or none");
+  if (joints.empty()) return;
+  if (dh_rows == 0) chain.chain = to_serial_chain(described);
+  if (dh_rows == joints.size()) chain.chain.T_after[joints.size() - 1] = chain.chain.T_after[joints.size() - 1] * tip;
+  chain.chain.T_B_0 = base * chain.chain.T_B_0;
+}
+
+void read_urdf(const YamlValue& value, const std::filesystem::path& folder, ProblemChain& chain,
+               std::vector<std::string>& names) {
+  const YamlValue file = value.key("file");
+  const std::string name = file.text(), base = value.key("base").text(), tip = value.key("tip").text();
+  if (name.empty() || base.empty() || tip.empty()) return;
+  try {
+    const DescribedChain described = read_urdf_chain(folder / name, base, tip);
+    chain.chain = to_serial_chain(described);
+    for (const auto& joint : described.joints) names.push_back(joint.name);
+  } catch (const ConfigError& error) {
+    file.refuse(error.what());
+  }
+}
+
+void read_robot_file(const YamlValue& value, const std::filesystem::path& folder, ProblemChain& chain,
+                     std::vector<std::string>& names) {
+  const std::string name = value.text();
+  if (name.empty()) return;
+  try {
+    const RobotConfig robot = load_robot(folder / name);
+    chain.chain = robot.arm.chain;
+    names = robot.joint_names;
+  } catch (const ConfigError& error) {
+    value.refuse(error.what());
+  }
+}
+
+void read_chain(const YamlValue& value, const std::filesystem::path& folder, ChainModel& model) {
+  ProblemChain chain;
+  const YamlValue name = value.key("name");
+  chain.name = name.text();
+  for (const auto& other : model.chains) {
+    if (other.name == chain.name) name.refuse("name is already taken");
+  }
+  if (chain.name == "root") name.refuse("is the word for the chains' common start");
+  std::vector<std::string> joints;
+  const YamlValue given = value.optional_key("given"), urdf = value.optional_key("urdf"),
+                  robot_file = value.optional_key("robot_file");
+  if (given.exists()) {
+    chain.is_given = given.boolean();
+    if (!chain.is_given) given.refuse("must be true, or leave it out");
+  } else if (urdf.exists()) {
+    read_urdf(urdf, folder, chain, joints);
+  } else if (robot_file.exists()) {
+    read_robot_file(robot_file, folder, chain, joints);
+  } else {
+    read_inline_chain(value, chain, joints);
+  }
+  for (const auto& joint : joints) chain.joints.push_back(joint_index(model, joint));
+  model.chains.push_back(chain);
+}
+
+int chain_index(const YamlValue& value, const ChainModel& model) {
+  const std::string name = value.text();
+  if (name == "root") return kRoot;
+  for (std::size_t i = 0; i < model.chains.size(); ++i) {
+    if (model.chains[i].name == name) return static_cast<int>(i);
+  }
+  value.refuse("must be root or the name of a chain");
+  return kRoot;
+}
+
+void read_pose_unknown(const YamlValue& owner, const std::string& name, PoseUnknown& unknown) {
+  unknown.name = name;
+  unknown.value = optional_pose(owner, "start");
+  unknown.prior = unknown.value;
+  const YamlValue fixed = owner.optional_key("fixed"), prior = owner.optional_key("prior");
+  if (fixed.exists() && fixed.boolean()) unknown.freedom = Freedom::kFixed;
+  if (!prior.exists()) return;
+  if (unknown.freedom == Freedom::kFixed) prior.refuse("makes no sense beside fixed: true");
+  unknown.freedom = Freedom::kPrior;
+  unknown.prior_sigma_m = prior.key("sigma_m").positive(kFar);
+  unknown.prior_sigma_rad = prior.key("sigma_rad").positive(10);
+}
+
+void read_target(const YamlValue& value, Dataset& dataset) {
+  ProblemTarget target;
+  DatasetTarget kind;
+  const YamlValue name = value.key("name");
+  target.name = name.text();
+  for (const auto& other : dataset.model.targets) {
+    if (other.name == target.name) name.refuse("name is already taken");
+  }
+  target.chain = chain_index(value.key("on"), dataset.model);
+  read_pose_unknown(value, (target.chain == kRoot ? "the place of " : "the mount of ") + target.name, target.T_b_M);
+  target.scale.name = target.name;
+  const YamlValue kind_value = value.key("kind");
+  const std::string word = kind_value.text();
+  if (word == "square" || word == "marker") {
+    kind.kind = word == "square" ? TargetKind::kSquare : TargetKind::kMarker;
+    kind.side_m = value.key("side_m").positive(10);
+  } else if (word == "points") {
+    kind.kind = TargetKind::kPoints;
+  } else if (word == "chessboard") {
+    kind.kind = TargetKind::kChessboard;
+    kind.board_columns = static_cast<int>(value.key("inner_columns").integer(2, 100));
+    kind.board_rows = static_cast<int>(value.key("inner_rows").integer(2, 100));
+    kind.square_m = value.key("square_m").positive(10);
+  } else if (word != "pose" && !word.empty()) {
+    kind_value.refuse("must be pose, square, points, chessboard or marker");
+  }
+  if (kind.kind == TargetKind::kMarker) {
+    const YamlValue dictionary = value.key("dictionary");
+    kind.dictionary = dictionary.text();
+    const int most = marker_dictionary_size(kind.dictionary);
+    if (most == 0) dictionary.refuse("is no ArUco dictionary");
+    kind.id = static_cast<int>(value.key("id").integer(0, std::max(most - 1, 0)));
+  }
+  dataset.model.targets.push_back(target);
+  dataset.targets.push_back(kind);
+}
+
+void read_noise(const YamlValue& root, Dataset& dataset) {
+  const YamlValue noise = root.optional_key("noise");
+  if (!noise.exists()) return;
+  const auto read = [&noise](const char* key, double max, double& value) {
+    const YamlValue entry = noise.optional_key(key);
+    if (entry.exists()) value = entry.number(0.0, max);
+  };
+  read("sigma_m", 1.0, dataset.sigma_m);
+  read("sigma_rad", 1.0, dataset.sigma_rad);
+  read("sigma_px", 100.0, dataset.sigma_px);
+  read("encoder_sigma_rad", 1.0, dataset.noise.encoder_sigma_rad);
+  read("floor_m", 1.0, dataset.noise.floor_position_sigma_m);
+  read("floor_rad", 1.0, dataset.noise.floor_rotation_sigma_rad);
+  if (dataset.sigma_m <= 0.0 && dataset.noise.floor_position_sigma_m <= 0.0) noise.refuse("sigma_m or floor_m must be > 0");
+  if (dataset.sigma_rad <= 0.0 && dataset.noise.floor_rotation_sigma_rad <= 0.0) {
+    noise.refuse("sigma_rad or floor_rad must be > 0");
+  }
+  if (dataset.sigma_px <= 0.0) noise.refuse("sigma_px must be > 0");
+}
+
+void read_learn(const YamlValue& root, Dataset& dataset) {
+  const YamlValue learn = root.optional_key("learn");
+  if (!learn.exists()) return;
+  const YamlValue offsets = learn.optional_key("offsets"), scale = learn.optional_key("scale"),
+                  folds = learn.optional_key("folds");
+  if (offsets.exists()) {
+    for (const auto& entry : offsets.list(1, 64)) {
+      const std::string name = entry.text();
+      const auto& joints = dataset.model.offsets;
+      const auto found = std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
+      if (found == joints.end()) entry.refuse("must be a joint of a chain");
+      else dataset.offset_joints.push_back(static_cast<int>(found - joints.begin()));
+    }
+  }
+  if (scale.exists()) dataset.scale_candidate = scale.boolean();
+  if (folds.exists()) dataset.folds = static_cast<int>(folds.integer(2, 100));
+}
+
+}  // namespace
+
+DatasetColumns read_dataset_yaml(const std::filesystem::path& folder, Dataset& dataset) {
+  const std::filesystem::path file = folder / "dataset.yaml";
+  const StrictYaml yaml = StrictYaml::parse(read_text_file(file), file.string());
+  const YamlValue root = yaml.root();
+  dataset.name = root.key("dataset").text();
+  for (const auto& chain : root.key("chains").list(1, 16)) read_chain(chain, folder, dataset.model);
+  const YamlValue camera = root.key("camera"), on = camera.key("on");
+  dataset.model.camera_chain = chain_index(on, dataset.model);
+  read_pose_unknown(camera, dataset.model.camera_chain == kRoot ? "the root seen by the camera"
+                                                                : "the camera mount", dataset.model.T_C_a);
+  const YamlValue intrinsics = camera.optional_key("intrinsics");
+  if (intrinsics.exists()) {
+    try {
+      dataset.model.camera = load_intrinsics(folder / intrinsics.text());
+    } catch (const ConfigError& error) {
+      intrinsics.refuse(error.what());
+    }
+  }
+  for (const auto& target : root.key("targets").list(1, 64)) read_target(target, dataset);
+  for (std::size_t t = 0; t < dataset.targets.size(); ++t) {
+    if (dataset.targets[t].kind != TargetKind::kPose && !intrinsics.exists()) {
+      camera.refuse("needs intrinsics: target " + dataset.model.targets[t].name + " is seen by its corners");
+    }
+  }
+  read_noise(root, dataset);
+  read_learn(root, dataset);
+  const YamlValue max_offset = root.optional_key("max_offset_s");
+  if (max_offset.exists()) dataset.max_offset_s = max_offset.number(0.0, 10.0);
+  DatasetColumns columns;
+  const YamlValue ignored = root.optional_key("ignore_columns");
+  if (ignored.exists()) {
+    for (const auto& entry : ignored.list(0, 1000)) columns.ignored.push_back(entry.text());
+  }
+  yaml.finish();
+  return columns;
+}
+
+}  // namespace armsight::host
