@@ -9,6 +9,7 @@ namespace {
 
 constexpr Duration kOwnHeartbeatPeriod = std::chrono::milliseconds(100);
 constexpr int kFailedCyclesLimit = 3;
+constexpr double kAnswerShare = 0.6;           ///< of a period: the answers take 1.7 ms on the bus (controller.md §3.2)
 constexpr double kFastestJoint_rad_s = 10.0;   ///< above the actuator's 6 rad/s (specification §4.4)
 constexpr double kEncoderNoise_rad = 0.01;
 constexpr double kBeyondLimits_rad = 0.35;     ///< a whole turn off is always farther than this
@@ -53,8 +54,10 @@ void CanopenMaster::take(const BusFrame& received, Time now) noexcept {
 
 void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept {
   take_errors(errors);
+  // A cycle that follows a late one comes too soon for the answers to its SYNC: that is our lateness, not the nodes'.
+  const bool is_due = sync_is_out_ && now - sync_sent_ >= seconds_to_duration(kAnswerShare * period_s_);
   for (int i = 0; i < node_count_; ++i) {
-    joint_node(i).advance(now, sync_is_out_, samples_.fault.is_set() ? PowerRequest::kQuickStop : power_);
+    joint_node(i).advance(now, is_due, samples_.fault.is_set() ? PowerRequest::kQuickStop : power_);
     latch(node(i).fault());
   }
   update_phase();
@@ -176,7 +179,7 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
 void CanopenMaster::note_sent(std::size_t i, SendResult result, Time now) noexcept {
   if (i == 0 && result == SendResult::kSent) {
     sync_is_out_ = true;
-    sync_time_ = now;  // until the echo tells better
+    sync_sent_ = sync_time_ = now;  // until the echo tells better
   }
   if (result != SendResult::kSent && i <= static_cast<std::size_t>(node_count_)) set_points_failed_ = true;
   if (i + 1 != outgoing_count_) return;

@@ -76,7 +76,7 @@ class CanopenMaster {
   bool checked_limits_ = false;
   std::uint8_t sync_counter_ = 0;
   bool sync_is_out_ = false;             ///< sent and not yet answered for
-  Time sync_time_{};
+  Time sync_sent_{}, sync_time_{};
   Time last_fresh_{};
   std::optional<Time> own_heartbeat_;
   int failed_cycles_ = 0;

@@ -73,6 +73,7 @@ void Node::advance(Time now, bool sync_answered, PowerRequest power) noexcept {
     if (phase_ == NodePhase::kStarting || phase_ == NodePhase::kReady) supervise(now, sync_answered);
   }
   if (phase_ == NodePhase::kReady) advance_power(now, fault_.is_set() ? PowerRequest::kQuickStop : power);
+  is_fresh_ = feedback_arrived_;
   feedback_arrived_ = false;
 }
 

@@ -54,7 +54,7 @@ class Node {
   bool is_resetting() const noexcept { return is_resetting_; }
   const Fault& fault() const noexcept { return fault_; }
   bool has_feedback() const noexcept { return has_feedback_; }
-  bool is_fresh() const noexcept { return missed_feedback_ == 0 && has_feedback_; }
+  bool is_fresh() const noexcept { return is_fresh_; }  ///< a TPDO1 came in this cycle
   std::int32_t position_counts() const noexcept { return feedback_.position_counts; }
   double torque_permille() const noexcept { return feedback_.torque; }
   double rated_torque_Nm() const noexcept { return 1e-3 * stored_[kRatedTorque]; }  ///< 0: the drive does not say
@@ -91,7 +91,7 @@ class Node {
 
   std::optional<Time> phase_since_, heartbeat_time_;
   Tpdo1 feedback_{};
-  bool has_feedback_ = false, feedback_arrived_ = false;
+  bool has_feedback_ = false, feedback_arrived_ = false, is_fresh_ = false;
   int missed_feedback_ = 0, feedback_seen_ = 0;
   std::uint16_t emergency_ = 0;
 
