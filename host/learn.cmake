@@ -11,6 +11,7 @@ add_library(armsight_host_learn STATIC
   cross_validation.cpp
   csv_table.cpp
   dataset.cpp
+  dataset_columns.cpp
   dataset_csv.cpp
   dataset_pictures.cpp
   dataset_yaml.cpp
