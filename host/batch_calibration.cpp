@@ -68,7 +68,7 @@ class Refinement {
   ceres::Solver::Summary solve(int max_iterations) {
     ceres::Solver::Options options;
     options.num_threads = 1;  // deterministic
-    options.linear_solver_type = ceres::DENSE_QR;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;  // few unknowns, many rows; columns are scaled
     options.max_num_iterations = max_iterations;
     options.function_tolerance = 1e-10;
     options.gradient_tolerance = 1e-12;

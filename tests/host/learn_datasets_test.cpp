@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "host/cross_validation.hpp"
+#include "host/stream_alignment.hpp"
 #include "tests/host/learn_data.hpp"
 #include "tools/convert/text_files.hpp"
 
@@ -72,7 +73,8 @@ TEST(LearnOnData, TalosSimulatedTruthIsFound) {
   const DatasetCalibration result = calibrate_dataset(dataset, {1, 0.02});
   print_all(result);
   for (const auto& offset : result.solution.model.offsets) {
-    if (offset.name == "arm_left_1_joint") EXPECT_NEAR(offset.value / kDegree, -1.432, 0.15);
+    const bool is_injected = offset.name == "arm_left_1_joint";
+    EXPECT_NEAR(offset.value / kDegree, is_injected ? -1.432 : 0.0, is_injected ? 0.15 : 0.35) << offset.name;
     if (offset.value != 0.0) std::printf("  %s %.3f deg\n", offset.name.c_str(), offset.value / kDegree);
   }
 }
@@ -139,10 +141,16 @@ TEST(LearnOnData, EthzClocksAreAligned) {
   const DatasetCalibration result = learn_set("ethz", "ethz-arm-sim", &dataset, 1);
   ASSERT_TRUE(result.time_offset_s.has_value());
   std::printf("offset %.4f s, %zu looks\n", *result.time_offset_s, result.looks.size());
-  EXPECT_NEAR(*result.time_offset_s, 0.005, 0.003);
-  EXPECT_LE(result.candidates[0].training.median_mm, 2.0);
-  EXPECT_LE(result.candidates[0].heldout.median_mm, 2.0);
-  EXPECT_LT((result.solution.model.T_C_a.value.inverse().p - Vector3(-0.0067, -0.0105, 0.0048)).norm(), 0.003);
+  EXPECT_LE(std::abs(*result.time_offset_s), 0.005);  // "clocks agree"
+  EXPECT_LE(result.candidates[0].training.median_mm, 1.0);
+  EXPECT_LE(result.candidates[0].heldout.median_mm, 1.0);
+  EXPECT_LE(result.candidates[0].heldout.median_deg, 0.15);
+
+  BatchOptions options;
+  options.noise = dataset.noise;
+  for (double& time_s : dataset.look_time_s) time_s -= 0.0373;  // a camera clock that is behind by this
+  const double found_s = estimate_time_offset_s(dataset, options);
+  EXPECT_NEAR(found_s - *result.time_offset_s, 0.0373, 0.0005);
 }
 
 /// Every number of the source stands in the output as it was written, in order of its row.
@@ -197,7 +205,8 @@ TEST(Converters, KeepEveryNumberOfYamlSources) {
       const bool is_number =
           word.find('.') != std::string::npos && word.find_first_not_of("0123456789.e+-") == std::string::npos;
       const bool is_header = word == "0." || word == "1." || word == "1.0";  // last matrix row, "%YAML:1.0"
-      if (is_number && !is_header) EXPECT_EQ(written.count(word) > 0, true) << kind << " " << word;
+      if (!is_number || is_header) continue;
+      EXPECT_EQ(written.count(word) > 0, true) << kind << " " << word;
     }
   }
 }
