@@ -1,6 +1,7 @@
 #include "host/edge_refine.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -11,6 +12,9 @@ using Point = Eigen::Vector2d;
 
 constexpr double kStep_px = 0.5;          // along a profile
 constexpr double kMaxCornerMove_px = 3.0;
+// In a wide black border OpenCV's adaptive threshold sees a second contour, up to half its window of 23 px inside the
+// true one, and keeps it where the outer one touches something else.
+constexpr std::array<double, 6> kOutwards_px{0.0, 3.0, 5.0, 7.0, 9.0, 11.0};
 constexpr double kMinContrast = 12.0;     // gray levels between border and margin
 
 Point to_point(const cv::Point2d& p) { return {p.x, p.y}; }
@@ -149,22 +153,40 @@ std::optional<RefinedCorners> refine_once(const cv::Mat& gray, const Intrinsics&
   return refined;
 }
 
+/// From an outline good to ±2 px; the second round with profiles centred on the edge.
+std::optional<RefinedCorners> refine_near(const cv::Mat& gray, const Intrinsics& k, const Corners& start, int modules) {
+  Corners at = start;
+  std::optional<RefinedCorners> refined;
+  for (int round = 0; round < 2; ++round) {
+    refined = refine_once(gray, k, at, modules);
+    if (!refined) return std::nullopt;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const cv::Point2d move = refined->corners_px[i] - start[i];
+      if (!(std::hypot(move.x, move.y) < kMaxCornerMove_px)) return std::nullopt;
+    }
+    at = refined->corners_px;
+  }
+  return refined;
+}
+
+/// Every edge moved outwards by about `out_px`.
+Corners grown(const Corners& corners, double out_px) {
+  const cv::Point2d centre = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  double side = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) side += 0.25 * cv::norm(corners[(i + 1) % 4] - corners[i]);
+  Corners out;
+  for (std::size_t i = 0; i < 4; ++i) out[i] = centre + (1.0 + 2.0 * out_px / side) * (corners[i] - centre);
+  return out;
+}
+
 }  // namespace
 
 std::optional<RefinedCorners> refine_corners(const cv::Mat& gray, const Intrinsics& intrinsics, const Corners& corners_px,
                                              int modules) {
-  Corners start = corners_px;
-  std::optional<RefinedCorners> refined;
-  for (int round = 0; round < 2; ++round) {  // the second with profiles centred on the edge
-    refined = refine_once(gray, intrinsics, start, modules);
-    if (!refined) return std::nullopt;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const cv::Point2d move = refined->corners_px[i] - corners_px[i];
-      if (!(std::hypot(move.x, move.y) < kMaxCornerMove_px)) return std::nullopt;
-    }
-    start = refined->corners_px;
+  for (const double out_px : kOutwards_px) {
+    if (const auto refined = refine_near(gray, intrinsics, grown(corners_px, out_px), modules)) return refined;
   }
-  return refined;
+  return std::nullopt;
 }
 
 }  // namespace armsight::host
