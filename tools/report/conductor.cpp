@@ -43,8 +43,8 @@ Conductor::Conductor(const std::filesystem::path& log_file, bool is_verbose)
 }
 
 Conductor::~Conductor() {
+  if (clock_ >= 0) close(clock_);  // or a program that waits for its cycle could not hear that it shall end
   while (!children_.empty()) children_.pop_back();  // clients first, arm_sim last
-  if (clock_ >= 0) close(clock_);
   std::fclose(log_);
 }
 
@@ -57,7 +57,11 @@ std::string Conductor::start_server(const std::string& name, const std::vector<s
   bool is_joined = clock_ < 0;  // the first server, arm_sim, owns the clock
   while (true) {
     attend(kPoll_ms);
-    is_joined = is_joined || child.line_after(name + ": joined the simulated clock");
+    if (!is_joined && child.line_after(name + ": joined the simulated clock")) {
+      is_joined = true;
+      release();  // it gets on with its first cycle, which is not over before it is ready
+      hold();
+    }
     if (const auto rest = child.line_after(ready_prefix); rest && is_joined) {
       servers_.push_back(name);
       return *rest;
@@ -149,6 +153,16 @@ int Conductor::end(const std::string& name) {
   return code;
 }
 
+void Conductor::kill(const std::string& name) {
+  std::erase(servers_, name);
+  std::erase_if(children_, [&](const auto& child) {
+    if (child->name() != name) return false;
+    child->send_signal(SIGKILL);
+    child->end();
+    return true;
+  });
+}
+
 void Conductor::inject_drift() {
   wire::SimClockMessage message;
   message.mutable_inject_drift();
@@ -156,7 +170,7 @@ void Conductor::inject_drift() {
 }
 
 void Conductor::finish(const std::filesystem::path& truth_file) {
-  std::erase(servers_, std::string("arm_sim"));
+  servers_.clear();  // without a clock they end
   wire::SimClockMessage message;
   message.mutable_finish()->set_truth_file(truth_file.string());
   request(message, "the truth");

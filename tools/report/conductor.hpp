@@ -46,6 +46,8 @@ class Conductor {
   void run_cycles(std::uint64_t cycles);
   /// Ends a program by its pid while time goes on.
   int end(const std::string& name);
+  /// SIGKILL, for tests: the program gets no chance.
+  void kill(const std::string& name);
 
   void inject_drift();
   /// The simulation is over; arm_sim writes the truth.

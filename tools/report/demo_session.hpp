@@ -13,6 +13,7 @@ struct DemoOptions {
   std::filesystem::path report_dir, robot_file;
   std::uint64_t seed = 1;
   std::string noise = "nominal", pace = "lockstep", can_interface;
+  std::map<std::string, std::vector<std::string>> tracers;  ///< for tests: what a program is started through
 };
 
 /// A verb failed: exit code 1, or the verb's own.
@@ -31,6 +32,8 @@ class RunningArm {
 
   /// host VERB …; its exit code.
   int host(const std::vector<std::string>& verb);
+  /// Started by the constructor; again by tests that killed it.
+  void start_controller();
   std::vector<std::string> host_command(const std::vector<std::string>& verb) const;
   Conductor& conductor() { return conductor_; }
   /// Ends the controller, asks for the truth.
@@ -42,7 +45,9 @@ class RunningArm {
   const std::vector<std::string>& host_lines() const { return host_lines_; }
 
  private:
-  std::string server(const std::string& name, std::vector<std::string> arguments, const std::string& ready_prefix);
+  std::string server(const std::string& name, const std::vector<std::string>& arguments, const std::string& ready_prefix);
+  std::vector<std::string> program(const std::string& name, const std::vector<std::string>& arguments) const;
+  std::vector<std::string> bus_arguments() const;
 
   DemoOptions options_;
   std::filesystem::path run_dir_, sockets_;

@@ -14,9 +14,9 @@ h2{font-size:21px;margin:46px 0 6px;padding-top:14px;border-top:1px solid var(--
 h3{font-size:15.5px;margin:22px 0 4px}
 p{margin:6px 0 12px;max-width:78ch}
 .soft{color:var(--soft)}
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(225px,1fr));gap:14px;margin:22px 0 0}
+.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(190px,1fr));gap:12px;margin:22px 0 0}
 .tile{background:#fff;border:1px solid var(--line);border-radius:10px;padding:14px 16px}
-.tile b{display:block;font-size:25px;line-height:1.25;letter-spacing:-.01em;font-variant-numeric:tabular-nums;white-space:nowrap}
+.tile b{display:block;font-size:22px;line-height:1.25;letter-spacing:-.01em;font-variant-numeric:tabular-nums;white-space:nowrap}
 .tile span{color:var(--soft);font-size:13.5px}
 .tile .name{color:var(--ink);font-weight:600;font-size:13.5px}
 .good{color:var(--good)}.bad{color:var(--bad)}

@@ -43,23 +43,37 @@ RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool
       run_dir_(prepared(fs::absolute(run_dir))),
       sockets_(make_socket_folder()),
       conductor_(run_dir_ / "programs.log", is_verbose) {
-  const std::string clock = (sockets_ / "clock").string(), robot = options_.robot_file.string();
-  std::vector<std::string> bus{"--bus", "emulated:" + (sockets_ / "bus").string()};
-  if (!options_.can_interface.empty()) bus = {"--can", options_.can_interface};
-
-  std::vector<std::string> sim{"--robot", robot, "--scene", (options_.home / "tools/sim/scene.yaml").string(),
-                               "--seed", std::to_string(options_.seed), "--noise", options_.noise, "--pace", options_.pace,
-                               "--clock", clock, "--camera", "127.0.0.1:0", "--log", (run_dir_ / "sim/bus.log").string()};
-  sim.insert(sim.end(), bus.begin(), bus.end());
-  server("arm_sim", sim, "arm_sim: ready");
+  std::vector<std::string> arguments{
+      "--robot", options_.robot_file.string(), "--scene", (options_.home / "tools/sim/scene.yaml").string(),
+      "--seed", std::to_string(options_.seed), "--noise", options_.noise, "--pace", options_.pace,
+      "--clock", (sockets_ / "clock").string(), "--camera", "127.0.0.1:0", "--log", (run_dir_ / "sim/bus.log").string()};
+  for (const std::string& word : bus_arguments()) arguments.push_back(word);
+  server("arm_sim", arguments, "arm_sim: ready");
   camera_ = conductor_.find("arm_sim")->line_after("arm_sim: camera ").value_or("");
-  conductor_.join_clock(clock);
+  conductor_.join_clock(sockets_ / "clock");
+  start_controller();
+}
 
-  std::vector<std::string> controller{"--config", robot, "--listen", "127.0.0.1:0", "--state", (run_dir_ / "controller").string()};
-  if (options_.can_interface.empty()) controller.insert(controller.end(), {"--clock", "sim:" + clock});
-  controller.insert(controller.end(), bus.begin(), bus.end());
-  link_ = server("arm_controller", controller, "arm_controller: listening on ");
+void RunningArm::start_controller() {
+  std::vector<std::string> arguments{"--config", options_.robot_file.string(), "--listen", "127.0.0.1:0",
+                                     "--state", (run_dir_ / "controller").string()};
+  if (options_.can_interface.empty()) arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_ / "clock").string()});
+  for (const std::string& word : bus_arguments()) arguments.push_back(word);
+  link_ = server("arm_controller", arguments, "arm_controller: listening on ");
   bus_line_ = conductor_.find("arm_controller")->line_after("arm_controller: bus ").value_or("");
+}
+
+std::vector<std::string> RunningArm::bus_arguments() const {
+  if (!options_.can_interface.empty()) return {"--can", options_.can_interface};
+  return {"--bus", "emulated:" + (sockets_ / "bus").string()};
+}
+
+std::vector<std::string> RunningArm::program(const std::string& name, const std::vector<std::string>& arguments) const {
+  std::vector<std::string> command;
+  if (const auto tracer = options_.tracers.find(name); tracer != options_.tracers.end()) command = tracer->second;
+  command.push_back((options_.programs / name).string());
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
 }
 
 RunningArm::~RunningArm() {
@@ -67,19 +81,17 @@ RunningArm::~RunningArm() {
   fs::remove_all(sockets_, ignored);
 }
 
-std::string RunningArm::server(const std::string& name, std::vector<std::string> arguments, const std::string& ready_prefix) {
-  arguments.insert(arguments.begin(), (options_.programs / name).string());
-  const std::string rest = conductor_.start_server(name, arguments, ready_prefix);
+std::string RunningArm::server(const std::string& name, const std::vector<std::string>& arguments, const std::string& ready_prefix) {
+  const std::string rest = conductor_.start_server(name, program(name, arguments), ready_prefix);
   commands_.push_back(conductor_.find(name)->command_line());
   return rest;
 }
 
 std::vector<std::string> RunningArm::host_command(const std::vector<std::string>& verb) const {
-  std::vector<std::string> command{(options_.programs / "host").string(), "--arm", link_, "--state", (run_dir_ / "host").string(),
-                                   "--robot", options_.robot_file.string(), "--camera", "sim:" + camera_, "--clock",
-                                   "sim:" + (sockets_ / "clock").string()};
-  command.insert(command.end(), verb.begin(), verb.end());
-  return command;
+  std::vector<std::string> arguments{"--arm", link_, "--state", (run_dir_ / "host").string(), "--robot", options_.robot_file.string(),
+                                     "--camera", "sim:" + camera_, "--clock", "sim:" + (sockets_ / "clock").string()};
+  arguments.insert(arguments.end(), verb.begin(), verb.end());
+  return program("host", arguments);
 }
 
 int RunningArm::host(const std::vector<std::string>& verb) {
@@ -91,6 +103,7 @@ int RunningArm::host(const std::vector<std::string>& verb) {
 }
 
 Truth RunningArm::finish() {
+  conductor_.end("arm_controller");  // in order, so that its recordings are whole
   const fs::path file = run_dir_ / "sim/truth.json";
   conductor_.finish(file);
   return load_truth(file);

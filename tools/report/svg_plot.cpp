@@ -91,7 +91,11 @@ std::vector<LegendEntry> legend_of(const Plot& plot) {
   return entries;
 }
 
-double entry_width(const LegendEntry& entry) { return 36 + 6.6 * static_cast<double>(entry.label.size()); }
+/// A guess that is wide enough: letters of 12 px; bytes that continue a UTF-8 letter take no room.
+double entry_width(const LegendEntry& entry) {
+  const auto letters = std::ranges::count_if(entry.label, [](char c) { return (c & 0xC0) != 0x80; });
+  return 44 + 7.0 * static_cast<double>(letters);
+}
 
 /// Rows of entries that fit the width; returns the SVG and the number of rows.
 std::pair<std::string, int> draw_legend(const std::vector<LegendEntry>& entries, double width, double first_y) {
@@ -228,13 +232,13 @@ std::string to_svg(const Plot& plot) {
                     escape_html(plot.title) + "\" font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\">";
   out += "<style>.g{stroke:#e6e9ec;stroke-width:1}.a{stroke:#4a5560;stroke-width:1.2}.t{font-size:11.5px;fill:#4a5560}"
          ".l{font-size:12.5px;fill:#1d252c}.k{font-size:12px;fill:#1d252c}.v{font-size:10.5px;fill:#1d252c}"
-         ".h{font-size:14px;font-weight:600;fill:#1d252c}</style>";
+         ".r{font-size:12px;paint-order:stroke;stroke:#fff;stroke-width:4px}.h{font-size:14px;font-weight:600;fill:#1d252c}</style>";
   out += text_at(kLeft, 18, plot.title, "class=\"h\"", "start") + draw_axes(f, plot) + legend;
   for (const Circle& c : plot.circles) out += draw_circle(f, c);
   out += draw_bars(f, plot);
   if (plot.reference_y) {
     out += line(f.left, f.py(*plot.reference_y), f.left + f.width, f.py(*plot.reference_y), "stroke=\"#4a5560\" stroke-dasharray=\"6 4\"");
-    out += text_at(f.left + f.width - 4, f.py(*plot.reference_y) - 5, plot.reference_label, "class=\"v\"", "end");
+    out += text_at(f.left + f.width - 4, f.py(*plot.reference_y) - 7, plot.reference_label, "class=\"v r\"", "end");
   }
   for (const Series& s : plot.series) out += draw_series(f, s);
   return out + "</svg>";
