@@ -17,19 +17,23 @@ Looker::Looker(HostIo& io, const MarkerConfig& marker, const Pose& T_X_M)
 
 bool Looker::sees(const cv::Mat& picture) const {
   const auto detections = detector_.detect(picture, io_.camera().intrinsics());
-  return std::any_of(detections.begin(), detections.end(), [&](const MarkerDetection& d) { return d.id == marker_.id; });
+  return std::any_of(detections.begin(), detections.end(), [&](const MarkerDetection& d) {
+    return d.id == marker_.id && d.edge_rms_px > 0.0;
+  });
 }
 
 LookTaken Looker::look(int frames, const std::optional<Pose>& predicted_T_C_X) {
   LookTaken taken;
   std::vector<LookFrame> found;
   io_.camera().request(frames);
-  int came = 0;
+  int came = 0, seen = 0;
   for (; came < frames; ++came) {
     if (!io_.wait_until([&] { return io_.frame().has_value(); }, kFrameTimeout)) break;
     const Frame frame = *io_.frame();
     for (const MarkerDetection& d : detector_.detect(frame.gray_or_bgr, io_.camera().intrinsics())) {
-      if (d.id == marker_.id) found.push_back({d.corners_px, frame.capture_time});
+      if (d.id != marker_.id) continue;
+      ++seen;
+      if (d.edge_rms_px > 0.0) found.push_back({d.corners_px, frame.capture_time});
     }
     taken.picture = frame.gray_or_bgr;
     io_.step();  // the frame has been used; the next may come
@@ -39,7 +43,7 @@ LookTaken Looker::look(int frames, const std::optional<Pose>& predicted_T_C_X) {
     return taken;
   }
   if (2 * static_cast<int>(found.size()) <= frames) {
-    taken.why = found.empty() ? kNotSeen : "marker seen in too few frames";
+    taken.why = seen == 0 ? kNotSeen : 2 * seen <= frames ? "marker seen in too few frames" : "marker seen, but its outline is covered";
     return taken;
   }
   LookResult result = make_look(found, marker_, T_X_M_, io_.camera().intrinsics(), predicted_T_C_X);

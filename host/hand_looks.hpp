@@ -28,7 +28,7 @@ class Looker {
 
   /// n frames of the standing arm. `predicted_T_C_X` decides between the planar solutions.
   LookTaken look(int frames, const std::optional<Pose>& predicted_T_C_X);
-  /// Is the marker in this picture?
+  /// Is the marker in this picture, with an outline good enough to measure?
   bool sees(const cv::Mat& picture) const;
 
  private:
