@@ -1,0 +1,16 @@
+# Recording the link and playing recordings again; included by tools/CMakeLists.txt.
+add_library(armsight_replay STATIC
+  replay/envelope_fields.cpp
+  replay/filter_replay.cpp
+  replay/link_file.cpp
+  replay/link_player.cpp)
+target_link_libraries(armsight_replay PUBLIC armsight_transport armsight_protocol PRIVATE armsight_warnings)
+
+add_executable(link_replay link_replay.cpp)
+target_link_libraries(link_replay PRIVATE armsight_replay armsight_report CLI11::CLI11 armsight_warnings)
+
+add_executable(link_record link_record.cpp replay/relay.cpp)
+target_link_libraries(link_record PRIVATE armsight_transport armsight_asio CLI11::CLI11 armsight_warnings)
+
+add_executable(ekf_replay ekf_replay.cpp)
+target_link_libraries(ekf_replay PRIVATE armsight_replay CLI11::CLI11 armsight_warnings)
