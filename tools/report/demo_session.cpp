@@ -141,13 +141,15 @@ Report Session::run() {
   phase("Learn: calibrate", [&] {
     must(verb({"calibrate"}, "calibrate", "calibrate"), "calibrate failed");
     report_.calibrate = load_calibrate(results() / "calibrate.json");
-    keep_images(report_.calibrate.images, "Learn: look", 4);
+    std::vector<std::string> images;
+    for (const CalibrationLook& look : report_.calibrate.looks) images.push_back(look.image);
+    keep_images(images, "Learn: look", 4);
   });
   phase("drift: the camera is knocked, the joints shift", [&] { arm_.conductor().inject_drift(); });
   phase("commanded poses without filter", [&] { without = moves("move-without"); });
   phase("Act: grasp without filter", [&] {
     report_.grasp_without = grasp("grasp-without");
-    keep_images(report_.grasp_without.images, "Act: without filter, view", 2);
+    keep_images(report_.grasp_without.images, "Act: without filter, the object as seen, view", 2);
     must(verb({"hand", "open"}, "", ""), "the hand did not open");
   });
   phase("Adapt: looks and filter", [&] {
@@ -160,9 +162,9 @@ Report Session::run() {
   phase("commanded poses with filter", [&] { with = moves("move-with"); });
   phase("Act: grasp with filter", [&] {
     report_.grasp_with = grasp("grasp-with");
-    keep_images(report_.grasp_with.images, "Act: with filter, view", 2);
+    keep_images(report_.grasp_with.images, "Act: with filter, the object as seen, view", 2);
   });
-  phase("status", [&] { read_status(); });
+  phase("the controller's statistics", [&] { read_status(); });
   evaluate(report_, arm_.finish(), without, with, robot_, experiment_);
   report_.commands = arm_.commands();
   return std::move(report_);

@@ -1,7 +1,9 @@
 // report.html: one file that needs nothing else. Order: the result, then each phase with its figures and pictures,
 // then what is needed to repeat it.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "tools/report/base64.hpp"
 #include "tools/report/report.hpp"
@@ -13,6 +15,15 @@ namespace {
 
 std::string n(double value, int digits = 3) { return short_number(value, digits); }
 std::string n(const std::optional<double>& value) { return short_number(value.value_or(std::nan(""))); }
+
+/// With its unit's fixed decimals, for figures that are read side by side.
+std::string fixed(double value, int decimals) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
+  return text.data();
+}
+
+std::string in_mm_and_deg(double mm, double deg) { return fixed(mm, mm < 10 ? 2 : 1) + " mm, " + fixed(deg, 2) + "°"; }
 
 std::string tile(const std::string& name, const std::string& value, const std::string& below, const char* color = "") {
   return "<div class=\"tile\"><span class=\"name\">" + name + "</span><b class=\"" + color + "\">" + value + "</b><span>" + below +
@@ -27,7 +38,7 @@ std::string figures(const std::vector<Plot>& plots) {
 
 std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
   std::string out = "<tr>";
-  for (const std::string& cell : cells) out += std::string("<") + tag + ">" + cell + "</" + tag + ">";
+  for (const std::string& cell : cells) out += std::string("<") + tag + (cell.size() > 24 && &cell != &cells.front() ? " class=\"text\">" : ">") + cell + "</" + tag + ">";
   return out + "</tr>";
 }
 
@@ -56,7 +67,7 @@ double median_of(const std::vector<CommandedPose>& poses, double PoseError::*nor
 
 std::string grasp_words(const GraspEvaluation& g) {
   if (!g.was_closed) return "not attempted";
-  return n(g.error.mm) + " mm, " + n(g.error.deg) + "°";
+  return in_mm_and_deg(g.error.mm, g.error.deg);
 }
 
 std::string head(const Report& r) {
@@ -64,16 +75,14 @@ std::string head(const Report& r) {
   std::string out = "<header><div><h1>Armsight: " + verdict + "</h1><p class=\"soft\">Robot " + escape_html(r.robot_name) + ", seed " +
                     std::to_string(r.seed) + ", noise set " + r.noise + ", pace " + r.pace + ". " + escape_html(r.bus_line) +
                     ". Every error is measured against the simulator's truth, which the programs never saw.</p><div class=\"tiles\">";
-  out += tile("Learn: hand pose, held out", n(r.heldout.rms_mm) + " mm, " + n(r.heldout.rms_deg) + "°",
+  out += tile("Learn: held out", in_mm_and_deg(r.heldout.rms_mm, r.heldout.rms_deg),
               "RMS over " + std::to_string(r.heldout.postures) + " postures never looked at");
-  out += tile("After the drift, no filter", n(median_of(r.without_filter, &PoseError::mm)) + " mm, " +
-              n(median_of(r.without_filter, &PoseError::deg)) + "°", "median of the commanded poses", "bad");
-  out += tile("Adapt: with filter", n(median_of(r.with_filter, &PoseError::mm)) + " mm, " +
-              n(median_of(r.with_filter, &PoseError::deg)) + "°",
+  out += tile("Drift, no filter", in_mm_and_deg(median_of(r.without_filter, &PoseError::mm), median_of(r.without_filter, &PoseError::deg)), "median of the commanded poses", "bad");
+  out += tile("Adapt: with filter", in_mm_and_deg(median_of(r.with_filter, &PoseError::mm), median_of(r.with_filter, &PoseError::deg)),
               "the same poses after " + std::to_string(r.adapt.looks.size()) + " looks", "good");
-  out += tile("Act: grasp without filter", r.without_grasp.is_success ? "held" : "missed", grasp_words(r.without_grasp),
+  out += tile("Act: without filter", r.without_grasp.is_success ? "held" : "missed", grasp_words(r.without_grasp),
               r.without_grasp.is_success ? "good" : "bad");
-  out += tile("Act: grasp with filter", r.with_grasp.is_success ? "held" : "missed", grasp_words(r.with_grasp),
+  out += tile("Act: with filter", r.with_grasp.is_success ? "held" : "missed", grasp_words(r.with_grasp),
               r.with_grasp.is_success ? "good" : "bad");
   return out + "</div></div></header>";
 }
@@ -136,7 +145,7 @@ std::string grasp_section(const Report& r) {
 
 std::string repeat_section(const Report& r) {
   std::vector<std::vector<std::string>> phases, programs;
-  for (const Phase& p : r.phases) phases.push_back({escape_html(p.name), n(p.simulated_s), n(p.wall_s)});
+  for (const Phase& p : r.phases) phases.push_back({escape_html(p.name), fixed(p.simulated_s, 1), fixed(p.wall_s, 1)});
   for (const auto& [name, version] : r.versions) programs.push_back({name, escape_html(version)});
   std::string out = "<h2>Time</h2>" + table({"phase", "robot's time [s]", "wall time [s]"}, phases);
   out += "<p>Controller: " + n(r.controller.rate_hz) + " Hz, " + std::to_string(r.controller.cycles) + " cycles, " +

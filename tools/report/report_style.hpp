@@ -16,7 +16,7 @@ p{margin:6px 0 12px;max-width:78ch}
 .soft{color:var(--soft)}
 .tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(190px,1fr));gap:12px;margin:22px 0 0}
 .tile{background:#fff;border:1px solid var(--line);border-radius:10px;padding:14px 16px}
-.tile b{display:block;font-size:22px;line-height:1.25;letter-spacing:-.01em;font-variant-numeric:tabular-nums;white-space:nowrap}
+.tile b{display:block;font-size:20px;line-height:1.25;letter-spacing:-.01em;font-variant-numeric:tabular-nums;white-space:nowrap}
 .tile span{color:var(--soft);font-size:13.5px}
 .tile .name{color:var(--ink);font-weight:600;font-size:13.5px}
 .good{color:var(--good)}.bad{color:var(--bad)}
@@ -31,7 +31,7 @@ table{border-collapse:collapse;margin:10px 0 16px;font-size:14px;font-variant-nu
 th,td{padding:5px 14px 5px 0;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
 th{font-weight:600;color:var(--soft)}
 th:first-child,td:first-child{text-align:left}
-td.text{text-align:left;white-space:normal}
+td.text,th.text{text-align:left;white-space:normal}
 details{margin:8px 0;border:1px solid var(--line);border-radius:8px;background:var(--wash)}
 summary{cursor:pointer;padding:8px 14px;font-weight:600;font-size:14px}
 pre{margin:0;padding:10px 14px;overflow:auto;font:12.5px/1.5 ui-monospace,"DejaVu Sans Mono",Menlo,monospace;border-top:1px solid var(--line);background:#fff;border-radius:0 0 8px 8px}

@@ -64,7 +64,7 @@ auto read_result(const std::filesystem::path& file, Read&& reader) {
 }
 
 CalibrationLook calibration_look(const json& j) {
-  return {joints_from(j.at("q_reading_rad")), j.at("arm_time_ns"), j.at("used"), j.value("reason", ""),
+  return {joints_from(j.at("q_reading_rad")), j.at("arm_time_ns"), j.at("used"), j.value("reason", ""), j.value("image", ""),
           j.value("residual_mm", 0.0), j.value("residual_deg", 0.0), j.value("reprojection_px", 0.0)};
 }
 
@@ -135,7 +135,6 @@ CalibrateResult load_calibrate(const std::filesystem::path& file) {
     r.parameters = j.at("parameters");
     r.attempts = j.value("attempts", 1);
     r.unobservable = texts_from(j.at("unobservable"));
-    r.images = texts_from(j.value("images", json::array()));
     r.solve_wall_ms = j.at("solve_wall_ms");
     r.model = model_from(j.at("model"));
     return r;

@@ -16,7 +16,7 @@ struct CalibrationLook {
   JointVector q_reading;
   std::int64_t arm_time_ns = 0;
   bool is_used = false;
-  std::string reason;
+  std::string reason, image;
   double residual_mm = 0, residual_deg = 0, reprojection_px = 0;
 };
 struct CalibrateResult {
@@ -26,7 +26,7 @@ struct CalibrateResult {
   std::vector<std::optional<double>> sigma_beta_deg;       ///< empty where unobservable
   std::optional<double> sigma_camera_mm, sigma_camera_deg;
   int rank = 0, parameters = 0, attempts = 0;
-  std::vector<std::string> unobservable, images;
+  std::vector<std::string> unobservable;
   double solve_wall_ms = 0;
   LearnedModel model;
 };

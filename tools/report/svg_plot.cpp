@@ -236,11 +236,11 @@ std::string to_svg(const Plot& plot) {
   out += text_at(kLeft, 18, plot.title, "class=\"h\"", "start") + draw_axes(f, plot) + legend;
   for (const Circle& c : plot.circles) out += draw_circle(f, c);
   out += draw_bars(f, plot);
+  for (const Series& s : plot.series) out += draw_series(f, s);
   if (plot.reference_y) {
     out += line(f.left, f.py(*plot.reference_y), f.left + f.width, f.py(*plot.reference_y), "stroke=\"#4a5560\" stroke-dasharray=\"6 4\"");
     out += text_at(f.left + f.width - 4, f.py(*plot.reference_y) - 7, plot.reference_label, "class=\"v r\"", "end");
   }
-  for (const Series& s : plot.series) out += draw_series(f, s);
   return out + "</svg>";
 }
 
