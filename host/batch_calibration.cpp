@@ -176,7 +176,7 @@ void mark_outliers(BatchSolution& solution, const BatchOptions& options) {
   const auto norms = look_norms(solution.model, solution.observations, options.noise);
   const double typical = std::max(median(norms), 0.3);
   for (std::size_t i = 0; i < norms.size(); ++i) {
-    LookResult& look = solution.looks[i];
+    LookFit& look = solution.looks[i];
     look.norm = norms[i];
     look.used = options.loss == RobustLoss::kNone || norms[i] <= options.outlier_per_median * typical;
     look.reason = look.used ? "" : outlier_reason(solution.model, solution.observations[i], norms[i], typical);

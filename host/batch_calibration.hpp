@@ -23,7 +23,7 @@ struct BatchOptions {
   int max_iterations = 60;          ///< Levenberg-Marquardt steps a round
 };
 
-struct LookResult {
+struct LookFit {
   bool used = true;
   bool second_solution = false;
   double norm = 0.0;    ///< ‖W r‖ / sqrt(rows): 1 where the noise model is right
@@ -32,7 +32,7 @@ struct LookResult {
 
 struct BatchSolution {
   ChainModel model;
-  std::vector<LookResult> looks;
+  std::vector<LookFit> looks;
   std::vector<char> used;            ///< looks[i].used, as whitened_jacobian wants it
   std::vector<Observation> observations;  ///< with the second solutions swapped in
   double misfit = 0.0;               ///< rms of norm over the used looks

@@ -12,7 +12,6 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 
 std::string joint_name(const CalibrationOptions& options, int joint) {
   const auto index = static_cast<std::size_t>(joint);
@@ -88,7 +87,7 @@ PoseErrorRms rms_of(const ErrorStatistics& s) { return {s.rms_mm, s.rms_deg}; }
 void fill_looks(const BatchSolution& solution, ArmCalibration& result) {
   for (std::size_t i = 0; i < solution.looks.size(); ++i) {
     const Vector6 e = pose_error(solution.observations[i].T_C_M, predicted_T_C_M(solution.model, solution.observations[i]));
-    const LookResult& look = solution.looks[i];
+    const LookFit& look = solution.looks[i];
     result.looks.push_back({look.used, look.second_solution, look.reason, 1e3 * e.head<3>().norm(),
                             e.tail<3>().norm() / kDegree});
   }

@@ -12,7 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegree = M_PI / 180.0;
 
 std::string two_columns(const ErrorStatistics& s, bool has_pixels) {
   char text[160];

@@ -12,6 +12,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix3 = Eigen::Matrix3d;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// For text that people read: angle_rad / kDegree is in degrees.
+inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
 /// A pose: rotation and translation of one frame in another.
 struct Pose {
   Matrix3 R = Matrix3::Identity();

@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kBadSpeed = std::numeric_limits<double>::quiet_NaN();
 
 TEST(BoxQp, MeetsTheOptimalityConditions) {
   std::mt19937 random(1);
@@ -97,11 +97,11 @@ TEST_F(PoseServo, StandsStillOnWhatIsNoNumber) {
   const JointVector q = joints({0.3, -0.4, 0.5, 1.0, 0.2});
   const Pose goal = forward_kinematics(arm.chain, joints({0.4, -0.4, 0.5, 1.0, 0.2}));
   Pose spoilt = goal;
-  spoilt.p.x() = kNaN;
+  spoilt.p.x() = kBadSpeed;
   EXPECT_GT(speeds(q, goal).norm(), 0.0);
   EXPECT_EQ(speeds(q, spoilt).norm(), 0.0);
   EXPECT_EQ(speeds(q, goal, 0.0).norm(), 0.0);
-  EXPECT_EQ(speeds(JointVector::Constant(5, kNaN), goal).norm(), 0.0);
+  EXPECT_EQ(speeds(JointVector::Constant(5, kBadSpeed), goal).norm(), 0.0);
 }
 
 }  // namespace

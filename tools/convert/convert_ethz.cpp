@@ -4,7 +4,7 @@
 namespace armsight::tools {
 namespace {
 
-constexpr const char* kYaml = R"(dataset: ethz-arm-sim
+constexpr const char* kEthzYaml = R"(dataset: ethz-arm-sim
 chains:
   - {name: arm, given: true}      # hand_ columns of arm.csv
 camera: {on: arm}
@@ -40,7 +40,7 @@ int convert_ethz(const Path& source, const Path& target) {
   const int looks = convert_stream(source / "robot_arm_sim_camera.csv",
                                    "time_s,marker,camera_x_m,camera_y_m,camera_z_m,camera_qx,camera_qy,camera_qz,camera_qw",
                                    "target,", target / "looks.csv");
-  write_file(target / "dataset.yaml", kYaml);
+  write_file(target / "dataset.yaml", kEthzYaml);
   return looks;
 }
 

@@ -4,7 +4,7 @@
 namespace armsight::tools {
 namespace {
 
-constexpr const char* kYaml = R"(dataset: rct-two-axis-positioner
+constexpr const char* kRctYaml = R"(dataset: rct-two-axis-positioner
 chains:
   - name: positioner
     base: {xyz_m: [2.2, 0, 1.6], rpy_rad: [1.5707963267948966, 0, 0]}
@@ -61,7 +61,7 @@ int convert_rct(const Path& source, const Path& target) {
     rows += sample.stamp + "," + join(sample.joints) + ",target," + join(sample.pose) + "\n";
   }
   write_file(target / "samples.csv", rows);
-  write_file(target / "dataset.yaml", kYaml);
+  write_file(target / "dataset.yaml", kRctYaml);
   return static_cast<int>(samples.size());
 }
 

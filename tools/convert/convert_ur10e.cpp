@@ -6,7 +6,7 @@ namespace {
 
 constexpr const char* kJoints[] = {"shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"};
 
-constexpr const char* kYaml = R"(dataset: ur10e-chessboard
+constexpr const char* kUr10eYaml = R"(dataset: ur10e-chessboard
 chains:
   - name: arm
     base: {xyz_m: [0, 0, 0], rpy_rad: [0, 0, 3.141592653589793]}
@@ -83,7 +83,7 @@ int convert_ur10e(const Path& source, const Path& target) {
   if (count == 0) refuse(source / "configuration_1", 1, "is missing");
   write_file(target / "samples.csv", rows);
   write_file(target / "camera.yaml", camera_yaml(source / "camera.xml"));
-  write_file(target / "dataset.yaml", kYaml);
+  write_file(target / "dataset.yaml", kUr10eYaml);
   return count;
 }
 
