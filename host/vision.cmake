@@ -5,6 +5,8 @@ add_library(armsight_host_vision STATIC
   intrinsics.cpp
   look.cpp
   marker.cpp
+  marker_print.cpp
+  overlay.cpp
   planar_pose.cpp)
 target_include_directories(armsight_host_vision SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
 target_link_libraries(armsight_host_vision
@@ -15,7 +17,8 @@ add_library(armsight_host_camera STATIC
   camera.cpp
   camera_files.cpp
   camera_sim.cpp
-  camera_v4l2.cpp)
+  camera_v4l2.cpp
+  image_file.cpp)
 target_link_libraries(armsight_host_camera
   PUBLIC armsight_host_vision armsight_transport
   PRIVATE armsight_schemas opencv_imgcodecs opencv_videoio armsight_warnings)
