@@ -8,14 +8,13 @@
 #include "host/json_out.hpp"
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
-#include "host/pictures.hpp"
 #include "host/text.hpp"
 #include "protocol/convert.hpp"
 
 namespace armsight::host {
 namespace {
 
-constexpr double kMargin_rad = 0.10;   // drifted offsets, and the controller's own margin
+constexpr double kAdaptMargin_rad = 0.10;   // drifted offsets, and the controller's own margin
 constexpr Duration kReportTimeout = std::chrono::seconds(2);
 
 class Adapt {
@@ -42,6 +41,7 @@ class Adapt {
   std::ostream& progress_;
   Looker looker_;
   std::vector<JointVector> visited_;
+  std::vector<Vector3> hidden_;  ///< places in C where the marker was not seen
   int taken_ = 0;  ///< looks the filter has answered
 };
 
@@ -72,7 +72,8 @@ StateMatrix Adapt::covariance() const {
 }
 
 std::optional<JointVector> Adapt::next_posture() {
-  const PlanProblem problem = plan_problem(io_, model_in_force(io_).T_C_B, covariance(), kMargin_rad);
+  PlanProblem problem = plan_problem(io_, model_in_force(io_).T_C_B, covariance(), kAdaptMargin_rad);
+  problem.hidden = hidden_;
   const int missing = options_.looks - taken_;
   const JointVector here = real_now(io_);
   const auto plan = io_.compute([=, this] { return plan_looks(problem, missing, visited_, here, false); });
@@ -94,8 +95,9 @@ void Adapt::visit(const JointVector& q_real) {
     fuse(taken);
     return;
   }
+  hidden_.push_back((predicted * io_.robot().arm.T_H_M).p);
   progress_ << "posture " << degrees_text(q_real) << ": " << taken.why << std::endl;
-  files_.save_picture(draw_words(taken.picture, taken.why));
+  files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"adapt"}));
 }
 
 void Adapt::fuse(const LookTaken& taken) {
@@ -130,8 +132,7 @@ void Adapt::note(const wire::FilterReport& report, const LookTaken& taken) {
   const bool is_fused = report.outcome() == wire::FUSION_OUTCOME_FUSED || report.outcome() == wire::FUSION_OUTCOME_FUSED_SECOND_SOLUTION;
   if (is_fused) ++fused;
   const std::string image = files_.save_picture(
-      draw_look(taken.picture, *taken.look, io_.robot().hand_marker, io_.robot().arm.T_H_M, io_.camera().intrinsics(),
-                "adapt: look " + std::to_string(taken_) + ", " + to_text(report.outcome())));
+      overlaid(taken, io_.camera().intrinsics(), {"adapt: look " + std::to_string(taken_) + ", " + to_text(report.outcome())}));
   record.looks.push_back({report, model_in_force(io_), image});
   progress_ << "look " << taken_ << "/" << options_.looks << ": " << to_text(report.outcome()) << ", nis "
             << fixed(report.nis(), 1);

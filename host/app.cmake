@@ -15,7 +15,6 @@ add_library(armsight_host_app STATIC
   learn_files.cpp
   look_planning.cpp
   motion.cpp
-  pictures.cpp
   pose_planner.cpp
   running_guess.cpp
   session_files.cpp
@@ -25,7 +24,7 @@ add_library(armsight_host_app STATIC
 target_link_libraries(armsight_host_app
   PUBLIC armsight_core armsight_protocol armsight_schemas armsight_transport armsight_host_vision armsight_host_camera
          armsight_host_learn
-  PRIVATE opencv_imgproc opencv_imgcodecs nlohmann_json::nlohmann_json armsight_warnings)
+  PRIVATE nlohmann_json::nlohmann_json armsight_warnings)
 
 add_executable(host main.cpp)
 target_link_libraries(host PRIVATE armsight_host_app CLI11::CLI11 armsight_warnings)

@@ -7,6 +7,7 @@
 #include "host/command_line.hpp"
 #include "host/grasp.hpp"
 #include "host/host_io.hpp"
+#include "host/marker_print.hpp"
 #include "host/urdf_import.hpp"
 #include "host/verbs.hpp"
 
@@ -107,6 +108,14 @@ void run_online(const CommandLine& line) {
   }
 }
 
+void print_marker(const CommandLine& line) {
+  MarkerConfig marker = load_robot(line.robot).hand_marker;
+  if (line.marker_id >= 0) marker.id = line.marker_id;
+  if (line.marker_size_mm > 0.0) marker.side_m = line.marker_size_mm * 1e-3;
+  if (!line.dictionary.empty()) marker.dictionary = line.dictionary;
+  save_marker_print(marker, line.out);
+}
+
 int fail(int code, const std::string& text) {
   std::cerr << "host: " << text << std::endl;
   return code;
@@ -115,6 +124,10 @@ int fail(int code, const std::string& text) {
 }  // namespace
 
 int run(const CommandLine& line) try {
+  if (line.verb == Verb::kPrintMarker) {
+    print_marker(line);
+    return 0;
+  }
   if (line.verb == Verb::kRobotImport) {
     write_atomically(line.out, import_urdf(line.urdf, line.base_link, line.tip_link));
     return 0;

@@ -9,7 +9,6 @@
 #include "host/learn_files.hpp"
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
-#include "host/pictures.hpp"
 #include "host/running_guess.hpp"
 #include "host/text.hpp"
 #include "protocol/convert.hpp"
@@ -17,7 +16,7 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kMargin_rad = 0.16;        // offsets up to 8 degrees, and the controller's own margin
+constexpr double kLearnMargin_rad = 0.16;        // offsets up to 8 degrees, and the controller's own margin
 constexpr double kControllerMargin_rad = 0.01;
 constexpr int kSolveFrom = 6;               // looks from which the batch solution replaces the filter's guess
 constexpr int kPlanAheadFrom = 8;           // looks from which a whole tour is planned at once
@@ -50,6 +49,7 @@ class Learn {
   LookFiles looks_;
   std::vector<LookSample> samples_;
   std::vector<JointVector> visited_;  ///< real angles as planned: not again
+  std::vector<Vector3> hidden_;       ///< places in C where the marker was not seen
   std::vector<JointVector> queue_;    ///< planned, next last
 };
 
@@ -76,7 +76,8 @@ bool Learn::is_enough() const {
 }
 
 void Learn::plan() {
-  const PlanProblem problem = plan_problem(io_, guess_.model().T_C_B, guess_.covariance(), kMargin_rad);
+  PlanProblem problem = plan_problem(io_, guess_.model().T_C_B, guess_.covariance(), kLearnMargin_rad);
+  problem.hidden = hidden_;
   const int missing = options_.looks - static_cast<int>(samples_.size());
   const bool is_tour = static_cast<int>(samples_.size()) >= kPlanAheadFrom;
   const JointVector here = reading_now(io_) + guess_.model().beta;
@@ -98,21 +99,22 @@ void Learn::visit(const JointVector& q_plan) {
     progress_ << "posture " << degrees_text(q_goal) << ": " << motion.why << std::endl;
     return;
   }
-  const LookTaken taken = looker_.look(options_.frames, guess_.predict(reading_now(io_)));
+  const Pose predicted = guess_.predict(reading_now(io_));
+  const LookTaken taken = looker_.look(options_.frames, predicted);
   if (taken.look && taken.q_reading.size() > 0) {
     take(taken);
     return;
   }
   progress_ << "posture " << degrees_text(q_goal) << ": " << taken.why << std::endl;
-  files_.save_picture(draw_words(taken.picture, taken.why));
-  queue_.clear();  // the guess was wrong here: plan again
+  files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"learn"}));
+  hidden_.push_back((predicted * io_.robot().arm.T_H_M).p);
+  queue_.clear();  // plan again
 }
 
 void Learn::take(const LookTaken& taken) {
   const LookMeasurement& look = *taken.look;
   LookSample sample{taken.q_reading, look.T_C_H, look.second_T_C_H, look.covariance, to_ns(taken.arm_time.arm_time), {}};
-  sample.image = files_.save_picture(draw_look(taken.picture, look, io_.robot().hand_marker, io_.robot().arm.T_H_M,
-                                                   io_.camera().intrinsics(), "learn: look " + std::to_string(samples_.size() + 1)));
+  sample.image = files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"learn: look " + std::to_string(samples_.size() + 1)}));
   looks_.add(sample);
   record.looks.push_back({sample.q_reading, sample.arm_time_ns, look.reprojection_px, sample.image});
   samples_.push_back(std::move(sample));

@@ -8,13 +8,12 @@
 #include "host/json_out.hpp"
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
-#include "host/pictures.hpp"
 #include "host/text.hpp"
 
 namespace armsight::host {
 namespace {
 
-constexpr double kMargin_rad = 0.03;
+constexpr double kGraspMargin_rad = 0.03;
 constexpr double kOutOfViewMargin_rad = 0.15;
 constexpr double kPregraspOrientation_rad = 0.05;  // the pre-grasp is asked for as reached: only the solver's noise
 constexpr double kOpenForce_permille = 500;
@@ -78,17 +77,16 @@ bool Grasp::see_object(Looker& looker) {
   const LookTaken taken = looker.look(options_.frames, std::nullopt);
   record.why = taken.why;
   if (!taken.look) {
-    files_.save_picture(draw_words(taken.picture, record.why));
+    files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"act: " + object_.name, record.why}));
     return false;
   }
   if (taken.look->second_T_C_H) {
     record.why = "the object's marker is seen too frontally to tell its tilt";
-    files_.save_picture(draw_words(taken.picture, record.why));
+    files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"act: " + object_.name, record.why}));
     return false;
   }
   record.T_C_O = taken.look->T_C_H;
-  files_.save_picture(draw_look(taken.picture, *taken.look, object_.marker, object_.T_O_M,
-                                io_.camera().intrinsics(), "act: " + object_.name));
+  files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"act: " + object_.name}));
   progress_ << "object: " << object_.name << " at " << fixed(record.T_C_O->p.z(), 3) << " m from the camera, "
             << fixed(taken.look->reprojection_px, 2) << " px" << std::endl;
   return true;
@@ -111,7 +109,7 @@ void Grasp::find_object() {
 GraspChoice Grasp::choose() {
   const LearnedModel model = model_in_force(io_);
   const JointLimits& limits = io_.robot().arm.limits;
-  const ReachProblem reach{io_.robot().arm.chain, limits.min_rad.array() + kMargin_rad, limits.max_rad.array() - kMargin_rad,
+  const ReachProblem reach{io_.robot().arm.chain, limits.min_rad.array() + kGraspMargin_rad, limits.max_rad.array() - kGraspMargin_rad,
                            real_now(io_)};
   const Pose T_B_O = model.T_C_B.inverse() * *record.T_C_O;
   const GraspPlan plan = io_.compute([=, this] { return plan_grasp(reach, object_, T_B_O); });

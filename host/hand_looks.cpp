@@ -12,6 +12,17 @@ constexpr Duration kReadingSlack = std::chrono::milliseconds(20);    // one stat
 
 }  // namespace
 
+cv::Mat overlaid(const LookTaken& taken, const Intrinsics& intrinsics, const std::vector<std::string>& lines) {
+  if (taken.picture.empty()) return {};
+  Overlay overlay;
+  overlay.markers = taken.markers;
+  if (taken.look) overlay.measured_T_C_H = taken.look->T_C_H;
+  overlay.predicted_T_C_H = taken.predicted_T_C_X;
+  overlay.lines = lines;
+  if (!taken.why.empty()) overlay.lines.push_back(taken.why);
+  return draw_overlay(taken.picture, intrinsics, overlay);
+}
+
 Looker::Looker(HostIo& io, const MarkerConfig& marker, const Pose& T_X_M)
     : io_(io), marker_(marker), T_X_M_(T_X_M), detector_(marker.dictionary) {}
 
@@ -24,13 +35,15 @@ bool Looker::sees(const cv::Mat& picture) const {
 
 LookTaken Looker::look(int frames, const std::optional<Pose>& predicted_T_C_X) {
   LookTaken taken;
+  taken.predicted_T_C_X = predicted_T_C_X;
   std::vector<LookFrame> found;
   io_.camera().request(frames);
   int came = 0, seen = 0;
   for (; came < frames; ++came) {
     if (!io_.wait_until([&] { return io_.frame().has_value(); }, kFrameTimeout)) break;
     const Frame frame = *io_.frame();
-    for (const MarkerDetection& d : detector_.detect(frame.gray_or_bgr, io_.camera().intrinsics())) {
+    taken.markers = detector_.detect(frame.gray_or_bgr, io_.camera().intrinsics());
+    for (const MarkerDetection& d : taken.markers) {
       if (d.id != marker_.id) continue;
       ++seen;
       if (d.edge_rms_px > 0.0) found.push_back({d.corners_px, frame.capture_time});

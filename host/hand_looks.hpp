@@ -4,10 +4,12 @@
 
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <vector>
 
 #include "host/host_io.hpp"
 #include "host/look.hpp"
 #include "host/marker.hpp"
+#include "host/overlay.hpp"
 
 namespace armsight::host {
 
@@ -17,9 +19,14 @@ struct LookTaken {
   std::optional<LookMeasurement> look;
   std::string why;            ///< no look: the reason
   cv::Mat picture;            ///< the last frame, for the overlay; empty when none came
+  std::vector<MarkerDetection> markers;  ///< of this frame
+  std::optional<Pose> predicted_T_C_X;   ///< as handed in
   AlignedTime arm_time{};     ///< of the look's capture time
   JointVector q_reading;      ///< mean over the frames; zero size where the arm told nothing then
 };
+
+/// The last frame with markers, axes and words drawn in; empty when none came.
+cv::Mat overlaid(const LookTaken& taken, const Intrinsics& intrinsics, const std::vector<std::string>& lines);
 
 class Looker {
  public:

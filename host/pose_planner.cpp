@@ -14,6 +14,8 @@ constexpr int kTries = 40000;        // ≈ 2 000 visible ones of the default ro
 constexpr int kCandidates = 600;
 constexpr int kEnoughCandidates = 60;
 constexpr int kExchangePasses = 3;
+constexpr double kHiddenCosine = 0.98877;  // 8.6 degrees, 105 px at f = 700: half a can at working distance
+constexpr double kHiddenDepth_m = 0.03;
 
 double radical_inverse(int base, int i) {
   double value = 0.0, digit = 1.0;
@@ -33,6 +35,14 @@ double log_det(const StateMatrix& A) {
 bool is_near_any(const JointVector& q, const std::vector<JointVector>& others, double distance_rad) {
   return std::any_of(others.begin(), others.end(), [&](const JointVector& other) {
     return (q - other).lpNorm<Eigen::Infinity>() < distance_rad;
+  });
+}
+
+// Behind, or nearly in line with, a place where the marker was not seen although it should have been?
+bool is_behind_any(const Vector3& p_C, const std::vector<Vector3>& hidden) {
+  return std::any_of(hidden.begin(), hidden.end(), [&](const Vector3& other) {
+    const double cosine = p_C.dot(other) / (p_C.norm() * other.norm());
+    return cosine > kHiddenCosine && p_C.norm() > other.norm() - kHiddenDepth_m;
   });
 }
 
@@ -110,7 +120,7 @@ std::vector<CandidateLook> visible_postures(const PlanProblem& problem, int want
     const JointVector q = spread_posture(problem.min_rad, problem.max_rad, i);
     const Pose T_C_M = problem.T_C_B * forward_kinematics(problem.chain, q) * problem.T_H_M;
     if (!is_well_visible(problem.view, problem.limits, T_C_M, problem.marker_side_m)) continue;
-    if (is_near_any(q, avoid, min_distance_rad)) continue;
+    if (is_near_any(q, avoid, min_distance_rad) || is_behind_any(T_C_M.p, problem.hidden)) continue;
     if (unsure_sigmas > 0.0) {
       const ViewLimits limits = drawn_in(problem, q, T_C_M, unsure_sigmas);
       if (!is_well_visible(problem.view, limits, T_C_M, problem.marker_side_m)) continue;

@@ -22,6 +22,7 @@ struct PlanProblem {
   ViewLimits limits;
   double marker_side_m = 0.05;
   LookNoise noise;
+  std::vector<Vector3> hidden;   ///< where the marker should have been and was not seen, in C: something stands in the way
   StateMatrix P;                 ///< covariance of [v; w; ε_β] now; also widens the image margin where the model is unsure
 };
 

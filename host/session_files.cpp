@@ -2,16 +2,14 @@
 
 #include <cstdio>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <system_error>
 
+#include "host/overlay.hpp"
 #include "protocol/config_error.hpp"
 
 namespace armsight::host {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr int kJpegQuality = 85;
 
 void make_folder(const fs::path& folder) {
   std::error_code error;
@@ -47,8 +45,10 @@ std::string SessionFiles::save_picture(const cv::Mat& picture) {
   char name[64];
   std::snprintf(name, sizeof name, "-%02zu.jpg", pictures_.size() + 1);
   const std::string relative = "images/" + verb_ + name;
-  if (!cv::imwrite((state_ / relative).string(), picture, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
-    throw ConfigError((state_ / relative).string() + ": cannot be written");
+  try {
+    save_image(state_ / relative, picture);
+  } catch (const std::runtime_error& error) {
+    throw ConfigError(error.what());
   }
   pictures_.push_back(relative);
   return relative;

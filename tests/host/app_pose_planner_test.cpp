@@ -96,6 +96,19 @@ TEST(PosePlanner, KeepsAwayFromPosturesThatFailed) {
   }
 }
 
+TEST(PosePlanner, LooksPastWhateverHidTheMarker) {
+  PlanProblem p = problem();
+  const Vector3 hidden = (p.T_C_B * forward_kinematics(p.chain, visible_postures(p, 1, 0.0, {}).front().q_real) * p.T_H_M).p;
+  p.hidden = {hidden};
+  const auto candidates = visible_postures(p, 200, 0.0, {});
+  ASSERT_EQ(candidates.size(), 200u);
+  for (const CandidateLook& c : candidates) {
+    const Vector3 at = (p.T_C_B * forward_kinematics(p.chain, c.q_real) * p.T_H_M).p;
+    const double angle = std::acos(at.dot(hidden) / (at.norm() * hidden.norm()));
+    EXPECT_TRUE(angle > 0.149 || at.norm() < hidden.norm() - 0.029);
+  }
+}
+
 TEST(PosePlanner, DOptimalChoiceBeatsEveryRandomOne) {
   const PlanProblem p = problem();
   const auto candidates = visible_postures(p, 400, 0.0, {});
