@@ -309,6 +309,26 @@ TEST(JointOffsetEkf, SequenceOfSingleStepsAgreesWithTheDenseReference) { EXPECT_
 
 TEST(JointOffsetEkf, IteratedUpdateEndsAtTheOptimumOfTheDenseReference) { EXPECT_LT(disagreement(30, 30), 1e-7); }
 
+TEST(JointOffsetEkf, NoUpdateEndsAboveTheCostItBeganWith) {
+  // What the damping promises, where undamped steps overshoot: four times the prior, then looks that disagree with it.
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    std::mt19937 random(seed);
+    const TrueRobot truth = true_robot(random);
+    EkfOptions options = scaled_options(4.0);
+    options.cost_gate = 1e12;
+    JointOffsetEkf ekf(truth.arm.chain, options);
+    ekf.reset(disturbed_by(truth, options, random));
+    for (int k = 0; k < 10; ++k) {
+      HandPoseMeasurement z = look_at(truth, random_visible_posture(truth, random), {}, k % 3 == 2, random);
+      z.has_second = false;
+      const DenseReference reference{truth.arm.chain, options, ekf.model(), ekf.covariance()};
+      const Eigen::MatrixXd R = reference.look_R(z);
+      const FusionReport report = ekf.update(z);
+      EXPECT_LE(report.cost, report.innovation.dot(R.llt().solve(report.innovation)) * (1.0 + 1e-9)) << seed;
+    }
+  }
+}
+
 TEST(JointOffsetEkf, CovarianceStaysSymmetricAndPositive) {
   std::mt19937 random(8);
   const TrueRobot truth = true_robot(random);
