@@ -1,5 +1,6 @@
 #include <cmath>
 #include <iostream>
+#include <opencv2/core/utility.hpp>
 
 #include "host/adapt.hpp"
 #include "host/calibrate.hpp"
@@ -84,6 +85,7 @@ void run_online(const CommandLine& line) {
   if (line.verb == Verb::kGrasp) table = GraspTable::load(line.grasps);
   const GraspObject* object = line.verb == Verb::kGrasp ? &table.find(line.object) : nullptr;
 
+  cv::setNumThreads(1);  // the arm's loop may share this machine: no picture is worth all of its cores
   catch_interrupts();
   HostIo io(options, robot);
   open_session(io, needs_camera(line.verb));

@@ -107,6 +107,12 @@ void open_session(HostIo& io, bool needs_time) {
   if (!io.wait_until(is_aligned, kAlignTimeout)) throw CommandFailed("clocks: no agreement within 2 ms after 20 s");
 }
 
+std::string fault_text(HostIo& io) {
+  const ArmLink& arm = io.arm();
+  return "the arm stands in fault " + std::to_string(arm.state()->fault_code()) +
+         (arm.fault() ? " (" + arm.fault()->text() + ")" : "") + "; --clear-fault clears it";
+}
+
 void take_command(HostIo& io, bool clear_fault) {
   ArmLink& arm = io.arm();
   wire::Envelope lease;
@@ -121,8 +127,7 @@ void take_command(HostIo& io, bool clear_fault) {
     throw CommandFailed(std::string("power on: the arm is in ") + to_text(arm.state()->mode()) + " after 30 s");
   }
   if (arm.state()->mode() == wire::MODE_FAULT && !clear_fault) {
-    throw CommandFailed("the arm stands in fault " + std::to_string(arm.state()->fault_code()) +
-                        (arm.fault() ? ": " + arm.fault()->text() : "") + "; --clear-fault clears it");
+    throw CommandFailed(fault_text(io));
   }
   wire::Envelope hold;
   hold.mutable_mode_request()->set_mode(wire::MODE_HOLD);

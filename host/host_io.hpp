@@ -81,6 +81,8 @@ void catch_interrupts();
 
 /// Waits for the controller's answer to Hello, its state and its model; whoever looks also needs clocks that agree to 2 ms.
 void open_session(HostIo& io, bool needs_time);
+/// "the arm stands in fault 204: …; --clear-fault clears it".
+std::string fault_text(HostIo& io);
 /// Takes the lease and asks for power and standstill. clear_fault is the operator's explicit word.
 void take_command(HostIo& io, bool clear_fault);
 

@@ -27,10 +27,16 @@ bool has_ended(HostIo& io, std::uint64_t goal) {
   return status && status->goal() == goal && status->state() != wire::GOAL_STATE_MOVING;
 }
 
+// No other posture helps an arm in fault: the flow ends, naming it.
+void refuse_fault(HostIo& io) {
+  if (io.arm().state()->mode() == wire::MODE_FAULT) throw CommandFailed(fault_text(io));
+}
+
 MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, const std::function<bool()>& is_over) {
   MotionResult result;
   const CommandOutcome outcome = io.command(std::move(message));
   if (!outcome.is_accepted) {
+    refuse_fault(io);
     result.why = "refused: " + outcome.text;
     return result;
   }
@@ -46,6 +52,7 @@ MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, cons
   }
   result.status = *io.arm().goal_status();
   if (result.status.state() != wire::GOAL_STATE_ARRIVED) {
+    refuse_fault(io);
     result.why = std::string(to_text(result.status.state())) + (result.status.text().empty() ? "" : ": ") + result.status.text();
     return result;
   }
