@@ -1,5 +1,6 @@
-# What the simulated camera sees. Pictures only: no sockets, no picture files.
+# What the simulated camera sees, and its stream. No picture files: imgcodecs stays out.
 add_library(armsight_sim_render STATIC
+  ${CMAKE_CURRENT_LIST_DIR}/camera_server.cpp
   ${CMAKE_CURRENT_LIST_DIR}/optics.cpp
   ${CMAKE_CURRENT_LIST_DIR}/printed_marker.cpp
   ${CMAKE_CURRENT_LIST_DIR}/ray_caster.cpp
@@ -9,5 +10,5 @@ add_library(armsight_sim_render STATIC
   ${CMAKE_CURRENT_LIST_DIR}/shapes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/solids.cpp)
 target_link_libraries(armsight_sim_render
-  PUBLIC armsight_host_vision
-  PRIVATE opencv_imgproc armsight_warnings)
+  PUBLIC armsight_host_vision armsight_transport
+  PRIVATE armsight_schemas opencv_imgproc armsight_warnings)
