@@ -88,6 +88,7 @@ std::vector<LegendEntry> legend_of(const Plot& plot) {
   for (const Series& s : plot.series) {
     if (!s.label.empty()) entries.push_back({s.label, s.color, s.mark, s.has_line, false, s.is_dashed});
   }
+  if (plot.reference_y) entries.push_back({plot.reference_label, "#4a5560", Mark::kNone, true, false, true});
   return entries;
 }
 
@@ -232,14 +233,13 @@ std::string to_svg(const Plot& plot) {
                     escape_html(plot.title) + "\" font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\">";
   out += "<style>.g{stroke:#e6e9ec;stroke-width:1}.a{stroke:#4a5560;stroke-width:1.2}.t{font-size:11.5px;fill:#4a5560}"
          ".l{font-size:12.5px;fill:#1d252c}.k{font-size:12px;fill:#1d252c}.v{font-size:10.5px;fill:#1d252c}"
-         ".r{font-size:12px;paint-order:stroke;stroke:#fff;stroke-width:4px}.h{font-size:14px;font-weight:600;fill:#1d252c}</style>";
+         ".h{font-size:14px;font-weight:600;fill:#1d252c}</style>";
   out += text_at(kLeft, 18, plot.title, "class=\"h\"", "start") + draw_axes(f, plot) + legend;
   for (const Circle& c : plot.circles) out += draw_circle(f, c);
   out += draw_bars(f, plot);
   for (const Series& s : plot.series) out += draw_series(f, s);
   if (plot.reference_y) {
-    out += line(f.left, f.py(*plot.reference_y), f.left + f.width, f.py(*plot.reference_y), "stroke=\"#4a5560\" stroke-dasharray=\"6 4\"");
-    out += text_at(f.left + f.width - 4, f.py(*plot.reference_y) - 7, plot.reference_label, "class=\"v r\"", "end");
+    out += line(f.left, f.py(*plot.reference_y), f.left + f.width, f.py(*plot.reference_y), "stroke=\"#4a5560\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\"");
   }
   return out + "</svg>";
 }
