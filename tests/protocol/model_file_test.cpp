@@ -31,7 +31,7 @@ ModelFile sample() {
   return file;
 }
 
-std::string complaint(const std::string& text) {
+std::string model_complaint(const std::string& text) {
   try {
     parse_model_file(text, "model.yaml", kExpected);
   } catch (const ConfigError& e) {
@@ -40,7 +40,7 @@ std::string complaint(const std::string& text) {
   return "none";
 }
 
-std::string with(const std::string& old_text, const std::string& new_text) {
+std::string model_with(const std::string& old_text, const std::string& new_text) {
   std::string text = to_text(sample());
   return text.replace(text.find(old_text), old_text.size(), new_text);
 }
@@ -68,23 +68,23 @@ TEST(ModelFile, MayLackCovarianceDateAndReport) {
 }
 
 TEST(ModelFile, RefusesAnotherRobotAnotherDescriptionAnotherFormat) {
-  EXPECT_EQ(complaint(with("\"ego_right_arm\"", "\"other\"")),
+  EXPECT_EQ(model_complaint(model_with("\"ego_right_arm\"", "\"other\"")),
             "model.yaml:3:8: robot = other: is of another robot, expected ego_right_arm");
-  EXPECT_EQ(complaint(with("0x7d276dfa309ffa1b", "0x7d276dfa309ffa1c")),
+  EXPECT_EQ(model_complaint(model_with("0x7d276dfa309ffa1b", "0x7d276dfa309ffa1c")),
             "model.yaml:4:13: model_hash = 0x7d276dfa309ffa1c: is of another description of the arm, expected "
             "0x7d276dfa309ffa1b");
-  EXPECT_EQ(complaint(with("format_version: 1", "format_version: 2")),
+  EXPECT_EQ(model_complaint(model_with("format_version: 1", "format_version: 2")),
             "model.yaml:2:17: format_version = 2: this program reads version 1");
 }
 
 TEST(ModelFile, RefusesNumbersThatCannotBe) {
-  EXPECT_TRUE(complaint(with("-0.050000000000000003", ".nan")).ends_with("beta_rad[1] = .nan: must be finite"));
-  EXPECT_TRUE(complaint(with("-0.050000000000000003", "2")).ends_with("must be between -1 and 1"));
-  EXPECT_TRUE(complaint(with(", -0.050000000000000003", "")).ends_with("has 1 entries, must have 2"));
-  EXPECT_TRUE(complaint(with("quaternion_wxyz: [0.", "quaternion_wxyz: [0.0")).ends_with("must have length 1"));
-  EXPECT_TRUE(complaint(with("3.3333333333333334e-08", "1e-7")).ends_with("covariance: must be symmetric"));
-  EXPECT_TRUE(complaint(with("revision: 17", "revision: -1")).ends_with("must be a whole number, not negative"));
-  EXPECT_TRUE(complaint("").ends_with("empty file"));
+  EXPECT_TRUE(model_complaint(model_with("-0.050000000000000003", ".nan")).ends_with("beta_rad[1] = .nan: must be finite"));
+  EXPECT_TRUE(model_complaint(model_with("-0.050000000000000003", "2")).ends_with("must be between -1 and 1"));
+  EXPECT_TRUE(model_complaint(model_with(", -0.050000000000000003", "")).ends_with("has 1 entries, must have 2"));
+  EXPECT_TRUE(model_complaint(model_with("quaternion_wxyz: [0.", "quaternion_wxyz: [0.0")).ends_with("must have length 1"));
+  EXPECT_TRUE(model_complaint(model_with("3.3333333333333334e-08", "1e-7")).ends_with("covariance: must be symmetric"));
+  EXPECT_TRUE(model_complaint(model_with("revision: 17", "revision: -1")).ends_with("must be a whole number, not negative"));
+  EXPECT_TRUE(model_complaint("").ends_with("empty file"));
 }
 
 TEST(ModelFile, NeverWritesNaN) {

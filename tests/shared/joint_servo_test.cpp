@@ -13,7 +13,7 @@ namespace {
 using namespace test;
 
 constexpr double kDt = 0.004;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kBadNumber = std::numeric_limits<double>::quiet_NaN();
 
 class JointServoTest : public testing::Test {
  protected:
@@ -143,13 +143,13 @@ TEST_F(JointServoTest, BrakesOnWhatIsNoNumber) {
     EXPECT_TRUE(servo.setpoint().q_rad.allFinite());
     EXPECT_LT(servo.setpoint().speed_rad_s[0], before.speed_rad_s[0]);
   };
-  expect_braking([&] { servo.step_towards(JointVector::Constant(5, kNaN), 1.0, kDt); });
-  expect_braking([&] { servo.step_towards(JointVector::Zero(5), kNaN, kDt); });
+  expect_braking([&] { servo.step_towards(JointVector::Constant(5, kBadNumber), 1.0, kDt); });
+  expect_braking([&] { servo.step_towards(JointVector::Zero(5), kBadNumber, kDt); });
   expect_braking([&] { servo.step_towards(JointVector::Zero(5), 0.0, kDt); });
   expect_braking([&] { servo.step_towards(JointVector::Zero(4), 1.0, kDt); });
-  expect_braking([&] { servo.step_with_speed(JointVector::Constant(5, kNaN), kDt); });
+  expect_braking([&] { servo.step_with_speed(JointVector::Constant(5, kBadNumber), kDt); });
   const JointVector q = servo.setpoint().q_rad;
-  servo.step_to_rest(kNaN);
+  servo.step_to_rest(kBadNumber);
   servo.step_to_rest(0.0);
   EXPECT_EQ(servo.setpoint().q_rad, q);
 }

@@ -6,9 +6,9 @@ namespace armsight::sim {
 
 namespace {
 
-constexpr std::uint32_t kInvalidPdo = 0x80000000;
+constexpr std::uint32_t kPdoOff = 0x80000000;
 constexpr std::uint32_t kRtrBit = 0x40000000;
-constexpr std::uint8_t kMaxMapped = 8;
+constexpr std::uint8_t kMaxMappable = 8;
 constexpr std::uint8_t kRequestAbort = 0x80;
 
 bool is_pdo_communication(std::uint16_t index) { return index == 0x1400 || index == 0x1800; }
@@ -48,12 +48,12 @@ std::uint32_t CanopenDevice::judge_communication(const SdoWrite& write) const {
   const auto [index, sub] = write.object;
   if (index == 0x1005 && (write.value & 0x7FF) == 0) return kBadValue;
   if (index == 0x1019 && (write.value == 1 || write.value > 240)) return kBadValue;
-  if ((index == 0x1401 || index == 0x1801) && (write.value & kInvalidPdo) == 0) return kBadValue;
+  if ((index == 0x1401 || index == 0x1801) && (write.value & kPdoOff) == 0) return kBadValue;
   if (is_pdo_mapping(index)) return judge_mapping(write);
   if (!is_pdo_communication(index)) return 0;
   if (sub == 1) {
     const std::uint32_t now = objects_.get(index, 1);
-    const bool moves_while_valid = pdo_is_valid(index) && (write.value & kInvalidPdo) == 0 &&
+    const bool moves_while_valid = pdo_is_valid(index) && (write.value & kPdoOff) == 0 &&
                                    (now & ~kRtrBit) != (write.value & ~kRtrBit);
     const std::uint32_t id = write.value & 0x7FF;
     return moves_while_valid ? kBadState : id < 0x181 || id > 0x57F ? kBadValue : 0;
@@ -75,7 +75,7 @@ std::uint32_t CanopenDevice::judge_mapping(const SdoWrite& write) const {
 }
 
 std::uint32_t CanopenDevice::judge_count(std::uint16_t mapping, std::uint32_t count) const {
-  if (count > kMaxMapped) return kMappingTooLong;
+  if (count > kMaxMappable) return kMappingTooLong;
   std::uint32_t bits = 0;
   for (std::uint8_t i = 1; i <= count; ++i) {
     const std::uint32_t entry = objects_.get(mapping, i);
