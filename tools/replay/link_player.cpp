@@ -57,7 +57,7 @@ void LinkPlayer::wait_for_hello() {
   const std::int64_t hello_ns = recorded_.to_controller.front().sent_time_ns();
   if (to_ns(clock_.now()) > hello_ns)
     throw NotReplayable("the recorded host came at " + seconds_text(hello_ns) + " of its clock, here it is " +
-                        seconds_text(to_ns(clock_.now())) + " already: join earlier, or hold the time still meanwhile");
+                        seconds_text(to_ns(clock_.now())) + " already: join earlier; and arm_sim needs the seed of the recording");
   while (to_ns(clock_.now()) < hello_ns) clock_.wait_next_cycle();
   if (to_ns(clock_.now()) != hello_ns)
     throw NotReplayable("the recorded host's clock showed " + std::to_string(hello_ns) + " ns, this one never does: " +
