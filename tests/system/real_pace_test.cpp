@@ -28,8 +28,7 @@ class RealPace : public SystemTest {
     };
     set("period_s: 0.004", "period_s: 0.01");
     set("rpdo_deadline_s: 0.02", "rpdo_deadline_s: 0.2");
-    std::filesystem::create_directories(folder_);
-    const std::filesystem::path file = folder_ / "patient_robot.yaml";
+    const std::filesystem::path file = folder_.string() + "-patient_robot.yaml";
     std::ofstream(file) << text;
     return file;
   }
