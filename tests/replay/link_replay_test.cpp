@@ -4,6 +4,7 @@
 
 #include "tests/replay/recordings.hpp"
 #include "tests/system/system_rig.hpp"
+#include "tools/replay/link_file.hpp"
 
 namespace armsight::demo {
 namespace {
@@ -48,6 +49,25 @@ class LinkReplay : public SystemTest {
     return kept;
   }
 
+  /// link_record between the next host and the controller, and where it listens. Simulated time stands still meanwhile.
+  std::string start_recorder(const fs::path& out) {
+    const std::vector<std::string> command{(options_.programs / "link_record").string(), "--arm", whereabouts()[1], "--out", out.string()};
+    recorder_ = std::make_unique<ChildProcess>("link_record", command);
+    while (!recorder_->line_after("link_record: listening on ") && !recorder_->exit_code()) recorder_->drain([](const std::string&) {});
+    return recorder_->line_after("link_record: listening on ").value_or("");
+  }
+
+  std::vector<std::string> host_through(const std::string& relay, const std::vector<std::string>& verb) {
+    std::vector<std::string> command = arm().host_command(verb);
+    *std::next(std::ranges::find(command, "--arm")) = relay;
+    return command;
+  }
+
+  int end_of_recorder() {
+    while (!recorder_->exit_code()) recorder_->drain([](const std::string&) {});
+    return *recorder_->exit_code();
+  }
+
   int replay(const fs::path& recording) {
     if (!arm_) start(options_);
     std::vector<std::string> command{(options_.programs / "link_replay").string(), recording.string()};
@@ -66,6 +86,7 @@ class LinkReplay : public SystemTest {
   DemoOptions options_;
   fs::path files_ = folder_.string() + "-recordings";
   std::vector<std::string> lines_;
+  std::unique_ptr<ChildProcess> recorder_;
 };
 
 TEST_F(LinkReplay, FreshProgramsAnswerAsRecorded) {
@@ -93,6 +114,53 @@ TEST_F(LinkReplay, RefusesASimulatorOfAnotherSeed) {
   options_.seed = 2;
   EXPECT_EQ(replay(recording), 2) << said();
   EXPECT_NE(said().find("arm_sim needs the seed"), std::string::npos) << said();
+}
+
+TEST_F(LinkReplay, RecorderBetweenHostAndControllerChangesNothing) {
+  start(options_);
+  const fs::path recording = files_ / "link.mcap";
+  const std::string relay = start_recorder(recording);
+  EXPECT_EQ(conductor().run("host", host_through(relay, {"move", "--joints=0.44,0.14,-0.26,1.37,-0.80"})), 0);
+  EXPECT_EQ(end_of_recorder(), 0);
+  arm_.reset();
+  EXPECT_EQ(replay(recording), 0) << said();
+}
+
+TEST_F(LinkReplay, RecorderThatIsEndedLeavesAWholeFile) {
+  start(options_);
+  const fs::path recording = files_ / "link.mcap";
+  const std::string relay = start_recorder(recording);
+  conductor().start("host", host_through(relay, {"move", "--joints=1.4,0.7,-1.3,2.2,1.2", "--speed", "0.3"}));
+  conductor().run_cycles(250);
+  recorder_->send_signal(SIGTERM);
+  EXPECT_EQ(end_of_recorder(), 0);
+  conductor().kill("host");
+  const replay::LinkFile file = replay::load_link_file(recording);
+  ASSERT_EQ(file.connections.size(), 1u);
+  EXPECT_GT(file.connections[0].to_controller.size(), 10u);
+  EXPECT_GT(file.connections[0].from_controller.size(), 10u);
+}
+
+TEST_F(LinkReplay, HostsAtTheSameTimeComeAgainAtTheSameTime) {
+  start(options_);
+  ASSERT_EQ(arm().host({"move", "--joints=0.44,0.14,-0.26,1.37,-0.80"}), 0);
+  conductor().start("host", arm().host_command({"move", "--joints=0.84,0.14,-0.26,1.37,-0.80", "--speed", "0.3"}));
+  conductor().run_cycles(100);
+  conductor().start("host", arm().host_command({"stop"}));  // taken from anybody
+  conductor().run_cycles(500);
+  const fs::path recording = keep_recording();
+  EXPECT_EQ(replay(recording), 0) << said();
+  EXPECT_NE(said().find("connection 3: same"), std::string::npos) << said();
+}
+
+TEST_F(LinkReplay, LooksAreFusedAsRecorded) {
+  start(options_);
+  ASSERT_EQ(arm().host({"adapt", "--looks", "2"}), 0);
+  const fs::path recording = keep_recording();
+  const replay::LinkFile file = replay::load_link_file(recording);
+  const auto is_report = [](const wire::LinkRecord& record) { return record.envelope().has_filter_report(); };
+  ASSERT_GE(std::ranges::count_if(file.messages, is_report), 2);
+  EXPECT_EQ(replay(recording), 0) << said();
 }
 
 }  // namespace
