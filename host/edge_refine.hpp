@@ -14,8 +14,9 @@ struct RefinedCorners {
   double edge_rms_px = 0.0;
 };
 
-/// From corners good to ±2 px, or of the contour that a threshold leaves inside a wide border. nullopt where an edge cannot be seen on a third of its length, or a corner would move
-/// by more than 3 px: then the outline is not what it should be. `modules`: of the marker with its border.
+/// From corners good to ±2 px, or of the contour that a threshold leaves inside a wide border. nullopt where an edge
+/// cannot be seen on a third of its length, or a corner would move by more than 3 px: then the outline is not what it
+/// should be. `modules`: of the marker with its border.
 std::optional<RefinedCorners> refine_corners(const cv::Mat& gray, const Intrinsics& intrinsics, const Corners& corners_px,
                                              int modules);
 
