@@ -56,6 +56,7 @@ struct Relay::Impl {
 
   void open_file();
   void listen();
+  void connect_arm();
   void on_host(const asio::error_code& error);
   void read(Pump& pump);
   void forward(Pump& pump, std::size_t size);
@@ -83,6 +84,7 @@ struct Relay::Impl {
 
 Relay::Impl::Impl(const RelayOptions& o) : options(o), arm_endpoint(endpoint("--arm", o.arm_address)) {
   listen();
+  connect_arm();
   open_file();
 }
 
@@ -96,6 +98,15 @@ void Relay::Impl::listen() {
   if (!error) acceptor.bind(own, error);
   if (!error) acceptor.listen(1, error);
   if (error) throw ConfigError(flag + error.message());
+}
+
+// Before any host can speak: in lockstep a message counts as lost when its sender's connection is not even in the
+// controller's backlog by the time the sender says that it was sent.
+void Relay::Impl::connect_arm() {
+  asio::error_code error;
+  arm.connect(arm_endpoint, error);
+  if (error) throw ArmUnreachable("cannot reach " + options.arm_address + ": " + error.message());
+  arm.set_option(tcp::no_delay(true), error);
 }
 
 void Relay::Impl::open_file() {
@@ -119,13 +130,7 @@ void Relay::Impl::on_host(const asio::error_code& error) {
   acceptor.close(problem);
   const tcp::endpoint remote = host.remote_endpoint(problem);
   peer = remote.address().to_string() + ":" + std::to_string(remote.port());
-  arm.connect(arm_endpoint, problem);
-  if (problem) {
-    failure = "cannot reach " + options.arm_address + ": " + problem.message();
-    return end();
-  }
   host.set_option(tcp::no_delay(true), problem);
-  arm.set_option(tcp::no_delay(true), problem);
   std::printf("link_record: recording %s\n", peer.c_str());
   read(towards_arm);
   read(towards_host);
@@ -195,7 +200,7 @@ std::uint64_t Relay::run() {
   impl_->acceptor.async_accept(impl_->host, [this](const asio::error_code& error) { impl_->on_host(error); });
   impl_->io.run();
   impl_->writer->close();
-  if (!impl_->failure.empty()) throw ArmUnreachable(impl_->failure);
+  if (!impl_->failure.empty()) throw std::runtime_error(impl_->failure);
   if (!impl_->writer->is_good()) throw std::runtime_error("--out " + impl_->options.file.string() + ": writing failed");
   return impl_->writer->message_count() - 1;  // without /info
 }

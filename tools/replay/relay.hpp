@@ -28,7 +28,7 @@ class Relay {
   ~Relay();
   std::uint16_t port() const;
   /// One host's visit; returns when either side ends it or SIGINT or SIGTERM came, with the file closed, and says how
-  /// many messages it holds. Throws ArmUnreachable, and std::runtime_error where the file cannot be written.
+  /// many messages it holds. Throws std::runtime_error where no host could connect or the file cannot be written.
   std::uint64_t run();
 
  private:
