@@ -65,6 +65,7 @@ int Session::verb(const std::vector<std::string>& words, const std::string& resu
   const fs::path written = arm_.run_dir() / "host" / (result + ".json");
   if (!result.empty()) fs::remove(written);
   const int code = arm_.host(words);
+  if (code > 3) throw ProgramLost("host " + words.front() + " was ended by signal " + std::to_string(code - 128));
   if (code > 1) throw RunFailed("host " + words.front() + " ended with exit code " + std::to_string(code), code);
   if (!result.empty() && fs::exists(written)) fs::copy_file(written, results() / (kept_as + ".json"));
   return code;

@@ -23,12 +23,24 @@ class RunFailed : public std::runtime_error {
   int exit_code;
 };
 
-/// The simulated robot and its controller, running; a folder of sockets that is gone afterwards.
+/// A new folder among the system's temporary ones, gone with this.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The simulated robot and its controller, running.
 class RunningArm {
  public:
   /// `run_dir` keeps states, recordings and logs.
   RunningArm(const DemoOptions& options, const std::filesystem::path& run_dir, bool is_verbose);
-  ~RunningArm();
 
   /// host VERB …; its exit code.
   int host(const std::vector<std::string>& verb);
@@ -50,7 +62,8 @@ class RunningArm {
   std::vector<std::string> bus_arguments() const;
 
   DemoOptions options_;
-  std::filesystem::path run_dir_, sockets_;
+  std::filesystem::path run_dir_;
+  TemporaryFolder sockets_;
   Conductor conductor_;
   std::string camera_, link_, bus_line_;
   std::vector<std::string> commands_, host_lines_;

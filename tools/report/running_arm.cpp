@@ -10,12 +10,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path make_socket_folder() {
-  std::string path = (fs::temp_directory_path() / "armsight-XXXXXX").string();
-  if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
-  return path;
-}
-
 /// Only a folder that an earlier run made is emptied.
 void prepare_run_folder(const fs::path& run_dir) {
   const fs::path mark = run_dir / "made-by-armsight-demo";
@@ -38,26 +32,36 @@ fs::path prepared(const fs::path& run_dir) {
 
 }  // namespace
 
+TemporaryFolder::TemporaryFolder() {
+  std::string path = (fs::temp_directory_path() / "armsight-XXXXXX").string();
+  if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
+  path_ = path;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
 RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool is_verbose)
     : options_(options),
       run_dir_(prepared(fs::absolute(run_dir))),
-      sockets_(make_socket_folder()),
       conductor_(run_dir_ / "programs.log", is_verbose) {
   std::vector<std::string> arguments{
       "--robot", options_.robot_file.string(), "--scene", (options_.home / "tools/sim/scene.yaml").string(),
       "--seed", std::to_string(options_.seed), "--noise", options_.noise, "--pace", options_.pace,
-      "--clock", (sockets_ / "clock").string(), "--camera", "127.0.0.1:0", "--log", (run_dir_ / "sim/bus.log").string()};
+      "--clock", (sockets_.path() / "clock").string(), "--camera", "127.0.0.1:0", "--log", (run_dir_ / "sim/bus.log").string()};
   for (const std::string& word : bus_arguments()) arguments.push_back(word);
   server("arm_sim", arguments, "arm_sim: ready");
   camera_ = conductor_.find("arm_sim")->line_after("arm_sim: camera ").value_or("");
-  conductor_.join_clock(sockets_ / "clock");
+  conductor_.join_clock(sockets_.path() / "clock");
   start_controller();
 }
 
 void RunningArm::start_controller() {
   std::vector<std::string> arguments{"--config", options_.robot_file.string(), "--listen", "127.0.0.1:0",
                                      "--state", (run_dir_ / "controller").string()};
-  if (options_.can_interface.empty()) arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_ / "clock").string()});
+  if (options_.can_interface.empty()) arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_.path() / "clock").string()});
   for (const std::string& word : bus_arguments()) arguments.push_back(word);
   link_ = server("arm_controller", arguments, "arm_controller: listening on ");
   bus_line_ = conductor_.find("arm_controller")->line_after("arm_controller: bus ").value_or("");
@@ -65,7 +69,7 @@ void RunningArm::start_controller() {
 
 std::vector<std::string> RunningArm::bus_arguments() const {
   if (!options_.can_interface.empty()) return {"--can", options_.can_interface};
-  return {"--bus", "emulated:" + (sockets_ / "bus").string()};
+  return {"--bus", "emulated:" + (sockets_.path() / "bus").string()};
 }
 
 std::vector<std::string> RunningArm::program(const std::string& name, const std::vector<std::string>& arguments) const {
@@ -76,11 +80,6 @@ std::vector<std::string> RunningArm::program(const std::string& name, const std:
   return command;
 }
 
-RunningArm::~RunningArm() {
-  std::error_code ignored;
-  fs::remove_all(sockets_, ignored);
-}
-
 std::string RunningArm::server(const std::string& name, const std::vector<std::string>& arguments, const std::string& ready_prefix) {
   const std::string rest = conductor_.start_server(name, program(name, arguments), ready_prefix);
   commands_.push_back(conductor_.find(name)->command_line());
@@ -89,7 +88,7 @@ std::string RunningArm::server(const std::string& name, const std::vector<std::s
 
 std::vector<std::string> RunningArm::host_command(const std::vector<std::string>& verb) const {
   std::vector<std::string> arguments{"--arm", link_, "--state", (run_dir_ / "host").string(), "--robot", options_.robot_file.string(),
-                                     "--camera", "sim:" + camera_, "--clock", "sim:" + (sockets_ / "clock").string()};
+                                     "--camera", "sim:" + camera_, "--clock", "sim:" + (sockets_.path() / "clock").string()};
   arguments.insert(arguments.end(), verb.begin(), verb.end());
   return program("host", arguments);
 }
