@@ -26,18 +26,6 @@ double first_coordinate(int i, int n) { return (i + 0.5) / n - 0.5; }
 
 }  // namespace
 
-struct RayCaster::Posed {
-  const Shape* shape;
-  Matrix3 R_S_C;
-  Vector3 o_S;        ///< the camera in S
-  cv::Rect window;
-  Matrix3 outline_C;  ///< dᵀQd < 0: the ray passes the endless tube about z_S (b² − ac of its quadratic equation)
-
-  bool may_meet(const Vector3& d_C) const { return shape->form == Form::kBox || d_C.dot(outline_C * d_C) >= 0.0; }
-  double distance(const Vector3& d_C) const { return may_meet(d_C) ? meet(*shape, o_S, R_S_C * d_C) : -1.0; }
-  Vector3 point(const Vector3& d_C, double t) const { return o_S + t * (R_S_C * d_C); }
-};
-
 namespace {
 
 Matrix3 tube_outline(const Matrix3& R_S_C, const Vector3& o_S, double radius) {
@@ -53,7 +41,18 @@ std::optional<bool> module_at(const Shape& shape, int part, const Vector3& d_C) 
   return shape.print->is_white(d_C.x(), d_C.y());
 }
 
+std::uint16_t surface_number(const Shape& shape, std::size_t index, int part, const Vector3& d_C) {
+  const auto module = module_at(shape, part, d_C);
+  const int tone = module ? (*module ? kWhite : kBlack) : part;
+  return static_cast<std::uint16_t>(1 + static_cast<int>(index) * kSurfaces + tone);
+}
+
 }  // namespace
+
+double RayCaster::Posed::distance(const Vector3& d_C) const {
+  if (shape.form != Form::kBox && d_C.dot(outline_C * d_C) < 0.0) return -1.0;
+  return meet(shape, o_S, R_S_C * d_C);
+}
 
 RayCaster::RayCaster(const host::Intrinsics& intrinsics)
     : intrinsics_(intrinsics),
@@ -124,16 +123,27 @@ cv::Rect RayCaster::window_of(const Shape& shape) const {
   return cv::Rect(x0, y0, static_cast<int>(right) - x0 + 4, static_cast<int>(bottom) - y0 + 4) & picture;
 }
 
-void RayCaster::find_nearest(const std::vector<Posed>& posed, const Canvas& canvas) {
-  for (std::size_t row = 0; row < spans_.size(); ++row) {
-    const Span& span = spans_[row];
-    if (span.begin >= span.end) continue;
-    const int r = static_cast<int>(row);
-    std::copy_n(canvas.depth.ptr<float>(r) + span.begin, span.end - span.begin, nearest_.ptr<float>(r) + span.begin);
-    std::fill_n(surface_.ptr<std::uint16_t>(r) + span.begin, span.end - span.begin, std::uint16_t{0});
+void RayCaster::place(std::vector<Shape> shapes) {
+  posed_.clear();
+  std::fill(spans_.begin(), spans_.end(), Span{rays_.cols, 0});
+  for (Shape& shape : shapes) {
+    const cv::Rect window = window_of(shape);
+    if (window.empty() && !shape.print) continue;  // printed ones stay, so that reprint() can count them
+    const Pose T_S_C = shape.T_C_S.inverse();
+    const Matrix3 outline_C = tube_outline(T_S_C.R, T_S_C.p, shape.size.x());
+    posed_.push_back({std::move(shape), T_S_C.R, T_S_C.p, window, outline_C});
+    for (int row = window.y; row < window.br().y; ++row) {
+      Span& span = spans_[static_cast<std::size_t>(row)];
+      span = {std::min(span.begin, window.x), std::max(span.end, window.br().x)};
+    }
   }
-  for (std::size_t i = 0; i < posed.size(); ++i) {
-    const Posed& p = posed[i];
+}
+
+void RayCaster::find_nearest(const Canvas& background) {
+  background.depth.copyTo(nearest_);
+  surface_.setTo(0);
+  for (std::size_t i = 0; i < posed_.size(); ++i) {
+    const Posed& p = posed_[i];
     for (int row = p.window.y; row < p.window.br().y; ++row) {
       float* nearest = nearest_.ptr<float>(row);
       std::uint16_t* surface = surface_.ptr<std::uint16_t>(row);
@@ -142,28 +152,47 @@ void RayCaster::find_nearest(const std::vector<Posed>& posed, const Canvas& canv
         const double t = p.distance(d);
         if (!(t > kNear) || t >= static_cast<double>(nearest[column])) continue;
         nearest[column] = static_cast<float>(t);
-        const int part = part_of(*p.shape, p.point(d, t));
-        const auto module = module_at(*p.shape, part, d);
-        const int tone = module ? (*module ? kWhite : kBlack) : part;
-        surface[column] = static_cast<std::uint16_t>(1 + static_cast<int>(i) * kSurfaces + tone);
+        surface[column] = surface_number(p.shape, i, part_of(p.shape, p.point(d, t)), d);
       }
     }
   }
 }
 
+void RayCaster::list_printed() {
+  printed_.clear();
+  for (std::size_t i = 0; i < posed_.size(); ++i) {
+    const cv::Rect& window = posed_[i].window;
+    for (int row = window.y; posed_[i].shape.print && row < window.br().y; ++row) {
+      for (int column = window.x; column < window.br().x; ++column) {
+        const Meeting meeting = meeting_at(row, column);
+        const auto end = meeting.shapes.begin() + meeting.count;
+        if (std::find(meeting.shapes.begin(), end, static_cast<int>(i)) != end) printed_.emplace_back(column, row);
+      }
+    }
+  }
+}
+
+/// Do the pixel and its eight neighbours show one surface? Asked for every pixel, so without a branch too many.
+bool RayCaster::is_uniform(int row, int column) const {
+  if (row == 0 || column == 0 || row + 1 == surface_.rows || column + 1 == surface_.cols) return false;
+  const std::uint16_t* line = surface_.ptr<std::uint16_t>(row) + column;
+  const std::ptrdiff_t down = surface_.cols;
+  unsigned difference = 0;
+  for (const std::ptrdiff_t at : {-down - 1, -down, -down + 1, std::ptrdiff_t{-1}, std::ptrdiff_t{1}, down - 1, down, down + 1}) {
+    difference |= static_cast<unsigned>(line[at] ^ line[0]);
+  }
+  return difference == 0;
+}
+
 /// What can be met inside the pixel: the surfaces nearest at its centre and at its eight neighbours'.
 RayCaster::Meeting RayCaster::meeting_at(int row, int column) const {
   Meeting meeting;
-  const std::uint16_t own = surface_.at<std::uint16_t>(row, column);
   for (int r = std::max(row - 1, 0); r <= std::min(row + 1, surface_.rows - 1); ++r) {
-    const Span& span = spans_[static_cast<std::size_t>(r)];
     const std::uint16_t* line = surface_.ptr<std::uint16_t>(r);
-    for (int c = column - 1; c <= column + 1; ++c) {
-      const std::uint16_t other = c >= span.begin && c < span.end ? line[c] : std::uint16_t{0};
-      meeting.is_edge = meeting.is_edge || other != own;
-      if (other == 0) continue;
-      meeting.has_print = meeting.has_print || (other - 1) % kSurfaces >= kBlack;
-      const int shape = (other - 1) / kSurfaces;
+    for (int c = std::max(column - 1, 0); c <= std::min(column + 1, surface_.cols - 1); ++c) {
+      if (line[c] == 0) continue;
+      meeting.has_print = meeting.has_print || (line[c] - 1) % kSurfaces >= kBlack;
+      const int shape = (line[c] - 1) / kSurfaces;
       const auto end = meeting.shapes.begin() + meeting.count;
       if (std::find(meeting.shapes.begin(), end, shape) == end) meeting.shapes[static_cast<std::size_t>(meeting.count++)] = shape;
     }
@@ -171,16 +200,16 @@ RayCaster::Meeting RayCaster::meeting_at(int row, int column) const {
   return meeting;
 }
 
-double RayCaster::mean_over_pixel(const Stage& stage, const std::vector<Posed>& posed, const Canvas& canvas, int row,
-                                  int column, const Meeting& meeting) const {
+double RayCaster::mean_over_pixel(const Stage& stage, const Canvas& background, int row, int column,
+                                  const Meeting& meeting) const {
   const int samples = meeting.has_print ? kPrintSamples : kEdgeSamples;
   double sum = 0.0;
   for (int i = 0; i < samples; ++i) {
     const Vector3 d = ray(first_coordinate(i, samples), second_coordinate(i, samples), row, column);
-    double nearest = static_cast<double>(canvas.depth.at<float>(row, column));
+    double nearest = static_cast<double>(background.depth.at<float>(row, column));
     const Posed* hit = nullptr;
     for (int c = 0; c < meeting.count; ++c) {
-      const Posed& candidate = posed[static_cast<std::size_t>(meeting.shapes[static_cast<std::size_t>(c)])];
+      const Posed& candidate = posed_[static_cast<std::size_t>(meeting.shapes[static_cast<std::size_t>(c)])];
       const double t = candidate.distance(d);
       if (t > kNear && t < nearest) {
         nearest = t;
@@ -188,55 +217,59 @@ double RayCaster::mean_over_pixel(const Stage& stage, const std::vector<Posed>& 
       }
     }
     if (hit == nullptr) {
-      sum += static_cast<double>(canvas.grey.at<float>(row, column));
+      sum += static_cast<double>(background.grey.at<float>(row, column));
       continue;
     }
     const Vector3 p_S = hit->point(d, nearest);
-    const int part = part_of(*hit->shape, p_S);
-    sum += shade(stage, *hit->shape, nearest * d, p_S, part, module_at(*hit->shape, part, d));
+    const int part = part_of(hit->shape, p_S);
+    sum += shade(stage, hit->shape, nearest * d, p_S, part, module_at(hit->shape, part, d));
   }
   return sum / samples;
 }
 
-void RayCaster::draw(const Stage& stage, const std::vector<Shape>& shapes, Canvas& canvas) {
-  std::vector<Posed> posed;
-  std::fill(spans_.begin(), spans_.end(), Span{rays_.cols, 0});
-  for (const Shape& shape : shapes) {
-    const cv::Rect window = window_of(shape);
-    if (window.empty()) continue;
-    const Pose T_S_C = shape.T_C_S.inverse();
-    posed.push_back({&shape, T_S_C.R, T_S_C.p, window, tube_outline(T_S_C.R, T_S_C.p, shape.size.x())});
-    for (int row = window.y; row < window.br().y; ++row) {
-      Span& span = spans_[static_cast<std::size_t>(row)];
-      span = {std::min(span.begin, window.x), std::max(span.end, window.br().x)};
-    }
+void RayCaster::shade_pixel(const Stage& stage, const Canvas& background, int row, int column, float& grey) const {
+  const int surface = surface_.at<std::uint16_t>(row, column);
+  if (!is_uniform(row, column)) {
+    grey = static_cast<float>(mean_over_pixel(stage, background, row, column, meeting_at(row, column)));
+  } else if (surface != 0) {
+    const Posed& p = posed_[static_cast<std::size_t>((surface - 1) / kSurfaces)];
+    const Vector3 d = ray(row, column);
+    const double t = static_cast<double>(nearest_.at<float>(row, column));
+    const int tone = (surface - 1) % kSurfaces, part = tone >= kBlack ? kTop : tone;
+    const std::optional<bool> module = tone >= kBlack ? std::optional<bool>(tone == kWhite) : std::nullopt;
+    grey = static_cast<float>(shade(stage, p.shape, t * d, p.point(d, t), part, module));
   }
-  find_nearest(posed, canvas);
+}
+
+void RayCaster::draw(const Stage& stage, std::vector<Shape> shapes, const Canvas& background, Canvas& canvas) {
+  background.grey.copyTo(canvas.grey);
+  place(std::move(shapes));
+  find_nearest(background);
   for (int row = 0; row < rays_.rows; ++row) {
     const Span& span = spans_[static_cast<std::size_t>(row)];
     float* grey = canvas.grey.ptr<float>(row);
-    const std::uint16_t* surface = surface_.ptr<std::uint16_t>(row);
-    for (int column = span.begin; column < span.end; ++column) {
-      if (const Meeting meeting = meeting_at(row, column); meeting.is_edge) {
-        grey[column] = static_cast<float>(mean_over_pixel(stage, posed, canvas, row, column, meeting));
-      } else if (surface[column] != 0) {
-        const Posed& p = posed[static_cast<std::size_t>((surface[column] - 1) / kSurfaces)];
-        const Vector3 d = ray(row, column);
-        const double t = static_cast<double>(nearest_.at<float>(row, column));
-        const Vector3 p_S = p.point(d, t);
-        const int tone = (surface[column] - 1) % kSurfaces, part = tone >= kBlack ? kTop : tone;
-        const std::optional<bool> module = tone >= kBlack ? std::optional<bool>(tone == kWhite) : std::nullopt;
-        grey[column] = static_cast<float>(shade(stage, *p.shape, t * d, p_S, part, module));
-      }
-    }
+    for (int column = span.begin; column < span.end; ++column) shade_pixel(stage, background, row, column, grey[column]);
   }
-  // Depth last: the edge pass has to see the canvas as it was.
-  for (int row = 0; row < rays_.rows; ++row) {
-    const Span& span = spans_[static_cast<std::size_t>(row)];
-    if (span.begin < span.end) {
-      std::copy_n(nearest_.ptr<float>(row) + span.begin, span.end - span.begin, canvas.depth.ptr<float>(row) + span.begin);
-    }
+  nearest_.copyTo(canvas.depth);
+  list_printed();
+}
+
+void RayCaster::reprint(const Stage& stage, const std::vector<std::shared_ptr<const MarkerPrint>>& prints,
+                        const Canvas& background, Canvas& canvas) {
+  auto next = prints.begin();
+  for (Posed& p : posed_) {
+    if (p.shape.print && next != prints.end()) p.shape.print = *next++;
   }
+  for (const cv::Point& at : printed_) {
+    std::uint16_t& surface = surface_.at<std::uint16_t>(at);
+    if (surface == 0) continue;
+    const std::size_t index = static_cast<std::size_t>((surface - 1) / kSurfaces);
+    const Posed& p = posed_[index];
+    if (!p.shape.print) continue;
+    const int tone = (surface - 1) % kSurfaces;
+    surface = surface_number(p.shape, index, tone >= kBlack ? kTop : tone, ray(at.y, at.x));
+  }
+  for (const cv::Point& at : printed_) shade_pixel(stage, background, at.y, at.x, canvas.grey.at<float>(at));
 }
 
 }  // namespace armsight::sim

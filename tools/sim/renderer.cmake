@@ -12,3 +12,5 @@ add_library(armsight_sim_render STATIC
 target_link_libraries(armsight_sim_render
   PUBLIC armsight_host_vision armsight_transport
   PRIVATE armsight_schemas opencv_imgproc armsight_warnings)
+# A frame costs a third less this way; nothing here looks at errno or at floating-point exceptions.
+target_compile_options(armsight_sim_render PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O3 -fno-math-errno -fno-trapping-math>)

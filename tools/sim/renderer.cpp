@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace armsight::sim {
 namespace {
 
 constexpr double kMoved_px = 2.0;      // a marker that moved so far on the picture is another look
-constexpr double kSmear_px = 0.1;      // less motion than this is none
+constexpr double kSmear_px = 0.1;      // less motion is none, but to the markers, which stand exactly where they are
 
 double largest_distance(const host::Corners& a, const host::Corners& b) {
   double largest = 0.0;
@@ -24,6 +25,14 @@ double smear_px(const WorldView& a, const WorldView& b, const host::Intrinsics& 
   };
   const double fingers = 60.0 * std::abs(a.hand_closure - b.hand_closure);
   return std::max({moved(a.T_C_B * a.T_B_H, b.T_C_B * b.T_B_H, 0.2), moved(a.T_C_B * a.T_B_O, b.T_C_B * b.T_B_O, 0.1), fingers});
+}
+
+/// Steps of about a pixel are smooth behind the defocus: little motion needs few instants.
+std::vector<WorldView> thinned(std::span<const WorldView> instants, double smear) {
+  const std::size_t n = instants.size();
+  if (n < 5 || smear > 2.5) return {instants.begin(), instants.end()};
+  if (smear > 1.2) return {instants[0], instants[n / 2], instants[n - 1]};
+  return {instants[n / 4], instants[n - 1 - n / 4]};
 }
 
 bool is_same(const Pose& a, const Pose& b) { return (a.p - b.p).norm() < 1e-5 && (a.R - b.R).norm() < 1e-5; }
@@ -85,39 +94,49 @@ Stage Renderer::stage_of(const WorldView& world) const {
 void Renderer::refresh_still_life(const WorldView& world) {
   if (is_same(world.T_C_B, still_T_C_B_) && is_same(world.T_B_O, still_T_B_O_)) return;
   const Stage stage = stage_of(world);
-  caster_.draw_room(stage, still_life_);
+  Canvas room;
+  caster_.draw_room(stage, room);
   std::vector<Shape> shapes;
   add_table(stage.T_T_C.inverse(), scene_.table, shapes);
-  caster_.draw(stage, shapes, still_life_);
+  caster_.draw(stage, std::move(shapes), room, still_life_);
   still_T_C_B_ = world.T_C_B;
   still_T_B_O_ = world.T_B_O;
+  is_drawn_ = false;
 }
 
-void Renderer::draw_instant(const WorldView& world, Canvas& canvas) {
+void Renderer::draw_instant(const WorldView& world) {
   refresh_still_life(world);
-  still_life_.grey.copyTo(canvas.grey);
-  still_life_.depth.copyTo(canvas.depth);
   const Pose T_C_H = world.T_C_B * world.T_B_H, T_C_M = T_C_H * world.T_H_M;
+  const auto object_print = print(object_marker_, T_C_object_marker(world)), hand_print = print(hand_marker_, T_C_M);
+  const bool has_prints = object_print && hand_print;
+  if (is_drawn_ && has_prints && smear_px(world, drawn_, intrinsics()) < kSmear_px) {
+    caster_.reprint(stage_of(world), {object_print, hand_print}, still_life_, canvas_);
+    return;
+  }
   std::vector<Shape> shapes;
-  add_object(world.T_C_B * world.T_B_O, scene_.object, print(object_marker_, T_C_object_marker(world)), shapes);
+  add_object(world.T_C_B * world.T_B_O, scene_.object, object_print, shapes);
   add_arm(world.T_C_B, world.T_B_H, shapes);
   add_hand(T_C_H, world.hand_closure, shapes);
-  add_plate(T_C_M, scene_.hand_plate_side_m, print(hand_marker_, T_C_M), shapes);
-  caster_.draw(stage_of(world), shapes, canvas);
+  add_plate(T_C_M, scene_.hand_plate_side_m, hand_print, shapes);
+  caster_.draw(stage_of(world), std::move(shapes), still_life_, canvas_);
+  is_drawn_ = has_prints;
+  drawn_ = world;
 }
 
 cv::Mat Renderer::render(std::span<const WorldView> instants) {
   const WorldView& middle = instants[instants.size() / 2];
   draw_shift(hand_marker_, middle.T_C_B * middle.T_B_H * middle.T_H_M);
   draw_shift(object_marker_, T_C_object_marker(middle));
-  if (instants.size() == 1 || smear_px(instants.front(), instants.back(), scene_.camera.intrinsics) < kSmear_px) {
-    draw_instant(middle, canvas_);
+  const double smear = smear_px(instants.front(), instants.back(), intrinsics());
+  if (smear < kSmear_px) {
+    draw_instant(middle);
     return optics_.develop(canvas_.grey);
   }
-  cv::Mat sum = cv::Mat::zeros(scene_.camera.intrinsics.height, scene_.camera.intrinsics.width, CV_32FC1);
-  for (const WorldView& world : instants) {
-    draw_instant(world, canvas_);
-    cv::scaleAdd(canvas_.grey, 1.0 / static_cast<double>(instants.size()), sum, sum);
+  const std::vector<WorldView> taken = thinned(instants, smear);
+  cv::Mat sum = cv::Mat::zeros(intrinsics().height, intrinsics().width, CV_32FC1);
+  for (const WorldView& world : taken) {
+    draw_instant(world);
+    cv::scaleAdd(canvas_.grey, 1.0 / static_cast<double>(taken.size()), sum, sum);
   }
   return optics_.develop(sum);
 }

@@ -41,7 +41,7 @@ class Renderer {
   Pose T_C_object_marker(const WorldView& world) const;
   Stage stage_of(const WorldView& world) const;
   void refresh_still_life(const WorldView& world);
-  void draw_instant(const WorldView& world, Canvas& canvas);
+  void draw_instant(const WorldView& world);
 
   Scene scene_;
   NoiseFigures noise_;
@@ -51,7 +51,9 @@ class Renderer {
   Optics optics_;
   Canvas still_life_;      ///< room and table, drawn anew only when camera or object have moved
   Pose still_T_C_B_, still_T_B_O_;
-  Canvas canvas_;
+  Canvas canvas_;          ///< the instant drawn last
+  WorldView drawn_;
+  bool is_drawn_ = false;  ///< canvas_ shows drawn_, with both prints
 };
 
 }  // namespace armsight::sim

@@ -108,11 +108,11 @@ double shade(const Stage& stage, const Shape& shape, const Vector3& p_C, const V
     lamp *= 1.0 - object_shadow(stage, p_T);
     ceiling *= 1.0 - object_contact(stage, p_T);
   }
-  const Vector3 view = -p_C.normalized();
-  const Vector3 half = (view + stage.lamp).normalized();
-  double gloss = lamp > 0.0 ? std::max(0.0, n.dot(half)) : 0.0;
+  const double matt = surface.albedo * (ceiling + 0.66 * lamp);
+  if (surface.gloss == 0.0 || lamp == 0.0) return kWhiteLevel * matt;
+  double gloss = std::max(0.0, n.dot((stage.lamp - p_C.normalized()).normalized()));  // Blinn's half vector
   for (int i = 0; i < surface.sharpness; ++i) gloss *= gloss;
-  return kWhiteLevel * (surface.albedo * (ceiling + 0.66 * lamp) + surface.gloss * gloss);
+  return kWhiteLevel * (matt + surface.gloss * gloss);
 }
 
 double shade_room(const Stage& stage, const Vector3& d_C) {
