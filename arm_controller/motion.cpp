@@ -119,7 +119,8 @@ bool Motion::is_within_tolerance(const LearnedModel& model, const JointVector& q
 }
 
 JointVector Motion::command_rad() const noexcept {
-  return (servo_.setpoint().q_rad + trim_).cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
+  const JointVector& q = servo_.setpoint().q_rad;
+  return (q + trim_).cwiseMax(limits_.min_rad.cwiseMin(q)).cwiseMin(limits_.max_rad.cwiseMax(q));
 }
 
 void Motion::errors_at(const JointVector& q_reading, const LearnedModel& model, double& position_m,

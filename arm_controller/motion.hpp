@@ -31,7 +31,8 @@ class Motion {
   void step_to_rest() noexcept;
 
   bool is_at_rest() const noexcept { return servo_.is_at_rest(); }
-  /// Reference plus trim, inside the limits: what goes to the drives.
+  /// Reference plus trim: what goes to the drives. Inside the limits, or no farther outside than the reference, which
+  /// begins where the arm stood at power-on.
   JointVector command_rad() const noexcept;
   /// Of the model's hand pose at a reading against the goal: metres, radians.
   void errors_at(const JointVector& q_reading, const LearnedModel& model, double& position_m,

@@ -23,6 +23,23 @@ bool reach(ArmRig& rig, const Goal& goal) {
          rig.last<GoalEvent>()->state == GoalState::kArrived;
 }
 
+// An elbow at −0.1 rad is beyond its limit (0) and inside what power-on allows (0.35 rad).
+TEST(PowerUp, OutsideALimitStandsWhereItIsAndComesBackAtTheJointsPace) {
+  ArmRig rig;
+  rig.bus.drive(4).position_counts = -0.1 / (2.0 * std::numbers::pi) * 32768.0;
+  ASSERT_TRUE(rig.power_up());
+  EXPECT_NEAR(rig.state.q_command_rad[3], -0.1, 1e-3);
+  rig.mailboxes.goal.put(rig.joint_goal(1, kGoal));
+  JointVector last = rig.state.q_command_rad;
+  for (int i = 0; i < 2500 && (i < 2 || rig.state.mode == Mode::kServo); ++i) {
+    rig.cycle();
+    const JointVector speed = (rig.state.q_command_rad - last) / rig.robot.controller.period_s;
+    ASSERT_LE(speed.cwiseAbs().maxCoeff(), 0.5 + 1e-6) << "cycle " << i;
+    last = rig.state.q_command_rad;
+  }
+  EXPECT_EQ(rig.last<GoalEvent>()->state, GoalState::kArrived);
+}
+
 TEST(Goals, AJointGoalIsReachedAndTheDrivesResidualIsTakenAway) {
   ArmRig rig;
   for (int i = 1; i <= 5; ++i) rig.bus.drive(i).residual_counts = i % 2 ? 9.0 : -9.0;  // 0.1°
