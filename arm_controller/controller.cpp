@@ -69,10 +69,12 @@ void Controller::take_bus_phase(const JointSamples& joints) noexcept {
   }
 }
 
+// The slot keeps the newest lease only: that another session holds it is how an end within one cycle shows.
 void Controller::take_lease(Time now, const TickInbox& inbox) noexcept {
+  const std::optional<Lease> before = lease_;
   if (inbox.lease) lease_ = inbox.lease;
-  if (!lease_ || (lease_->session != 0 && now <= lease_->until)) return;
-  lease_.reset();
+  if (lease_ && (lease_->session == 0 || now > lease_->until)) lease_.reset();
+  if (!before || (lease_ && lease_->session == before->session)) return;
   adaptation_.close();
   stop("the commander's lease ended");
 }

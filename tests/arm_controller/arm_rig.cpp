@@ -15,7 +15,7 @@ ArmRig::ArmRig(const RobotConfig& config) : robot(config), bus(std::vector<doubl
 void ArmRig::cycle() {
   now += seconds_to_duration(robot.controller.period_s);
   bus.now = now;
-  if (has_commander) mailboxes.lease.put({7, now + seconds_to_duration(robot.controller.lease_s)});
+  if (has_commander) mailboxes.lease.put({commander, now + seconds_to_duration(robot.controller.lease_s)});
   loop->cycle(now, missed);
   if (const auto newest = mailboxes.state.take()) state = *newest;
   Event event;

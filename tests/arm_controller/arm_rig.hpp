@@ -34,6 +34,7 @@ class ArmRig {
   bool power_up();
   /// A commander that is there; renewed every cycle while `has_commander`.
   bool has_commander = true;
+  std::uint64_t commander = 7;
 
   void order_mode(PowerWish wish, bool clear_fault = false);
   Goal joint_goal(std::uint64_t id, const JointVector& q_real) const;
