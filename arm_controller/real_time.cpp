@@ -11,8 +11,6 @@
 namespace armsight::arm {
 namespace {
 
-constexpr int kCyclePriority = 80;
-
 void touch_stack() {
   volatile char page[64 * 1024];
   for (std::size_t i = 0; i < sizeof page; i += 1024) page[i] = 0;
@@ -20,7 +18,7 @@ void touch_stack() {
 
 }  // namespace
 
-std::vector<std::string> become_real_time() {
+std::vector<std::string> become_real_time(int priority) {
   std::vector<std::string> failed;
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
@@ -28,9 +26,9 @@ std::vector<std::string> become_real_time() {
     failed.push_back(std::string("memory is not locked (mlockall: ") + std::strerror(errno) + ")");
   touch_stack();
   sched_param parameter{};
-  parameter.sched_priority = kCyclePriority;
+  parameter.sched_priority = priority;
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter); error != 0)
-    failed.push_back(std::string("the cycle has no real-time priority (SCHED_FIFO 80: ") + std::strerror(error) + ")");
+    failed.push_back("no real-time priority (SCHED_FIFO " + std::to_string(priority) + ": " + std::strerror(error) + ")");
   return failed;
 }
 

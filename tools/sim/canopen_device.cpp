@@ -172,6 +172,11 @@ void CanopenDevice::send_emergency(std::uint16_t code, std::uint8_t error_regist
 
 Time CanopenDevice::next_time() const { return std::min({next_heartbeat_, heartbeat_deadline_, rpdo_deadline_}); }
 
+void CanopenDevice::excuse(Duration stall) {
+  if (heartbeat_deadline_ != kNever) heartbeat_deadline_ += stall;
+  if (rpdo_deadline_ != kNever) rpdo_deadline_ += stall;
+}
+
 void CanopenDevice::on_time(Time now) {
   if (now >= next_heartbeat_) send_heartbeat(now);
   if (now >= heartbeat_deadline_) {

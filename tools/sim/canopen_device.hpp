@@ -30,6 +30,8 @@ class CanopenDevice {
   /// Timers; to be called at next_time() or later.
   void on_time(Time now);
   Time next_time() const;
+  /// Nothing could be heard for so long because the simulator itself did not run: that is no silence of others.
+  void excuse(Duration stall);
 
   std::uint8_t node() const { return node_; }
   NmtState nmt_state() const { return state_; }

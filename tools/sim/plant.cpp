@@ -46,6 +46,7 @@ struct Plant::Impl {
   std::vector<GraspRecord> grasps;
   mutable std::mutex history_mutex;
   std::deque<Sample> history;
+  std::vector<Sample> newest;  ///< not yet in the history: the camera was reading it
 
   Pose hand() const { return forward_kinematics(truth.chain, q); }
   void step(double dt_s);
@@ -99,8 +100,11 @@ void Plant::Impl::step(double dt_s) {
 }
 
 void Plant::Impl::remember() {
-  const std::lock_guard lock(history_mutex);
-  history.push_back({time, q, truth.T_C_B, T_B_O, fingers->closure()});
+  newest.push_back({time, q, truth.T_C_B, T_B_O, fingers->closure()});
+  const std::unique_lock lock(history_mutex, std::try_to_lock);  // the bus never waits for the camera
+  if (!lock) return;
+  history.insert(history.end(), newest.begin(), newest.end());
+  newest.clear();
   while (history.front().time + kHistory < time) history.pop_front();
 }
 

@@ -7,7 +7,9 @@
 #include <cstring>
 #include <fstream>
 #include <thread>
+#include <utility>
 
+#include "arm_controller/real_time.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "protocol/candump.hpp"
 #include "tools/sim/bus_hub.hpp"
@@ -20,8 +22,10 @@ namespace armsight::sim {
 namespace {
 
 constexpr Duration kRealStep = std::chrono::milliseconds(1);
+constexpr Duration kStall = std::chrono::milliseconds(3);  ///< later than this is the machine's doing
 constexpr Duration kCameraStep = std::chrono::milliseconds(2);
 constexpr Duration kInstant{1};
+constexpr int kBusPriority = arm::kCyclePriority + 5;  // drives do not wait for programs
 
 }  // namespace
 
@@ -37,6 +41,8 @@ struct Simulation::Impl {
   std::vector<int> node_ports;
   std::ofstream log;
   bool is_lost = false;
+  int stalls = 0;
+  Duration longest_stall{0};
 
   Time start() const { return options.is_lockstep ? time_from_ns(kFirstTime_ns) : time_from_ns(net::monotonic_ns()); }
   void attach_nodes();
@@ -50,6 +56,8 @@ struct Simulation::Impl {
   bool run_lockstep(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping);
   bool run_real(const std::function<bool()>& is_stopping);
   void wait_real();
+  void excuse_stall(Time last, Time now);
+  void report_stalls() const;
 };
 
 Simulation::Impl::Impl(const SimulationOptions& o)
@@ -161,10 +169,29 @@ void Simulation::Impl::wait_real() {
   net::wait_and_flow(descriptors, pause, nullptr);
 }
 
+/// A real drive's firmware is never stopped by a busy host. What the machine takes from the simulator is therefore not
+/// counted as silence on the bus; it is counted here, and said at the end.
+void Simulation::Impl::excuse_stall(Time last, Time now) {
+  const Duration stall = now - last - kRealStep;
+  if (stall < kStall) return;
+  world.excuse(stall);
+  ++stalls;
+  longest_stall = std::max(longest_stall, stall);
+}
+
+void Simulation::Impl::report_stalls() const {
+  if (stalls == 0) return;
+  std::fprintf(stderr, "arm_sim: the machine stopped the simulator %d times, for up to %.1f ms\n", stalls,
+               to_seconds(longest_stall) * 1e3);
+}
+
 bool Simulation::Impl::run_real(const std::function<bool()>& is_stopping) {
+  Time last = server.clock().now();
   while (!server.is_finished() && !is_stopping() && !is_lost) {
     server.serve();
-    simulate_until(server.clock().now());
+    const Time now = server.clock().now();
+    excuse_stall(std::exchange(last, now), now);
+    simulate_until(now);
     if (hub) hub->receive();
     else receive_from_interface();
     wait_real();
@@ -198,7 +225,10 @@ Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::
         std::this_thread::sleep_for(kCameraStep);
       }
     });
+    for (const std::string& sentence : arm::become_real_time(kBusPriority))
+      std::fprintf(stderr, "arm_sim: %s; the drives may stall\n", sentence.c_str());
     is_finished = impl_->run_real(is_stopping);
+    impl_->report_stalls();
   }
   if (impl_->is_lost) return End::kBusLost;
   return is_finished ? End::kFinished : End::kStopped;

@@ -46,6 +46,10 @@ void World::advance_to(Time time) {
 
 void World::on_frame(std::size_t node, const CanFrame& frame, Time time) { nodes_[node]->on_frame(frame, time); }
 
+void World::excuse(Duration stall) {
+  for (auto& node : nodes_) node->excuse(stall);
+}
+
 void World::inject_drift(Time now) {
   before_ = plant_.truth();
   plant_.inject_drift();

@@ -2,6 +2,7 @@
 // Driven event by event: whoever owns the time asks for the next event, advances to it and hands frames over.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,8 @@ class World {
   /// A frame ended on the bus; the plant must have been advanced to `time`.
   void on_frame(std::size_t node, const CanFrame& frame, Time time);
   void inject_drift(Time now);
+  /// Real pace: the machine did not run the simulator for so long.
+  void excuse(Duration stall);
 
   std::size_t node_count() const { return nodes_.size(); }
   const DriveNode& node(std::size_t i) const { return *nodes_[i]; }
@@ -40,7 +43,7 @@ class World {
 
   const Truth& truth_before() const { return before_; }
   std::optional<Time> drift_time() const { return drift_time_; }
-  const std::vector<TraceRow>& trace() const { return trace_; }
+  const std::deque<TraceRow>& trace() const { return trace_; }
   bool trace_is_cut() const { return trace_is_cut_; }
 
  private:
@@ -51,7 +54,7 @@ class World {
   std::vector<std::unique_ptr<DriveNode>> nodes_;
   Truth before_;
   std::optional<Time> drift_time_;
-  std::vector<TraceRow> trace_;
+  std::deque<TraceRow> trace_;  ///< grows without ever copying: the bus does not wait
   bool trace_is_cut_ = false;
 };
 
