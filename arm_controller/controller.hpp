@@ -41,8 +41,9 @@ class Controller {
   void take_hand_order(const HandOrder& order) noexcept;
   void take_recalibration(const RecalibrationOrder& order) noexcept;
   void take_proposal(const Proposal& proposal) noexcept;
-  void take_looks(const TickInbox& inbox) noexcept;
+  void take_look(const Look& look) noexcept;
   void take_inbox(const TickInbox& inbox) noexcept;
+  bool may_act(const Tag& tag, bool is_stopped = false) noexcept;
 
   void raise(Time now, const Fault& fault) noexcept;
   void apply(ModeEvent event) noexcept;

@@ -5,18 +5,23 @@ namespace armsight::arm {
 
 void Controller::take_inbox(const TickInbox& inbox) noexcept {
   if (inbox.stop) stop("stop was asked for");
-  if (inbox.mode) take_mode_order(*inbox.mode);
-  if (inbox.recalibration) take_recalibration(*inbox.recalibration);
-  if (inbox.proposal) take_proposal(*inbox.proposal);
-  take_looks(inbox);
-  if (inbox.goal) {
-    if (inbox.stop) emit(AnswerEvent{inbox.goal->tag, Answer::kWrongState, "stopped in the same cycle"});
-    else take_goal(*inbox.goal);
-  }
-  if (inbox.hand) {
-    if (inbox.stop) emit(AnswerEvent{inbox.hand->tag, Answer::kWrongState, "stopped in the same cycle"});
-    else take_hand_order(*inbox.hand);
-  }
+  const bool asks_to_hold = inbox.mode && inbox.mode->wish == PowerWish::kHold;
+  if (inbox.mode && may_act(inbox.mode->tag, inbox.stop && asks_to_hold)) take_mode_order(*inbox.mode);
+  if (inbox.recalibration && may_act(inbox.recalibration->tag)) take_recalibration(*inbox.recalibration);
+  if (inbox.proposal && may_act(inbox.proposal->tag)) take_proposal(*inbox.proposal);
+  for (std::size_t i = 0; i < inbox.look_count; ++i)
+    if (may_act(inbox.looks[i].tag)) take_look(inbox.looks[i]);
+  if (inbox.goal && may_act(inbox.goal->tag, inbox.stop)) take_goal(*inbox.goal);
+  if (inbox.hand && may_act(inbox.hand->tag, inbox.stop)) take_hand_order(*inbox.hand);
+}
+
+// The link let the order pass under a lease; that may have ended on the way, or somebody asked for a stop beside it.
+bool Controller::may_act(const Tag& tag, bool is_stopped) noexcept {
+  const bool has_lease = lease_ && lease_->session == tag.session;
+  if (has_lease && !is_stopped) return true;
+  if (has_lease) emit(AnswerEvent{tag, Answer::kWrongState, "stopped in the same cycle"});
+  else emit(AnswerEvent{tag, Answer::kNoLease, "the lease ended"});
+  return false;
 }
 
 AnswerEvent Controller::answer_mode_order(const ModeOrder& order) noexcept {
@@ -47,7 +52,6 @@ void Controller::take_mode_order(const ModeOrder& order) noexcept {
 AnswerEvent Controller::judge_goal(const Goal& goal) const noexcept {
   if (mode_ != Mode::kHold && mode_ != Mode::kServo)
     return {goal.tag, Answer::kWrongState, "goals are taken in HOLD and SERVO only"};
-  if (!lease_) return {goal.tag, Answer::kNoLease, "the lease ended"};
   const LearnedModel& model = adaptation_.model();
   if (goal.kind != GoalKind::kJoints && goal.model_revision != model.revision)
     return {goal.tag, Answer::kStaleModel, "the goal was computed with another model revision"};
@@ -95,17 +99,15 @@ void Controller::take_proposal(const Proposal& proposal) noexcept {
   if (answer.answer == Answer::kAccepted) announce_model();
 }
 
-void Controller::take_looks(const TickInbox& inbox) noexcept {
-  for (std::size_t i = 0; i < inbox.look_count; ++i) {
-    FilterEvent event;
-    const std::uint64_t before = adaptation_.model().revision;
-    const AnswerEvent answer = adaptation_.take(inbox.looks[i], history_, event);
-    emit(answer);
-    if (answer.answer != Answer::kWrongState) emit(event);
-    if (adaptation_.model().revision == before) continue;
-    motion_.model_changed(adaptation_.model());
-    announce_model();
-  }
+void Controller::take_look(const Look& look) noexcept {
+  FilterEvent event;
+  const std::uint64_t before = adaptation_.model().revision;
+  const AnswerEvent answer = adaptation_.take(look, history_, event);
+  emit(answer);
+  if (answer.answer != Answer::kWrongState) emit(event);
+  if (adaptation_.model().revision == before) return;
+  motion_.model_changed(adaptation_.model());
+  announce_model();
 }
 
 }  // namespace armsight::arm

@@ -28,5 +28,44 @@ TEST(Lease, AnotherHolderWithinOneCycleFindsTheArmStoppedAndTheRecalibrationClos
   EXPECT_EQ(rig.last_answer(), Answer::kWrongState);
 }
 
+TEST(Lease, AfterItsEndNoOrderActs) {
+  ArmRig rig;
+  ASSERT_TRUE(rig.bring_to(Mode::kReady));
+  rig.has_commander = false;
+  rig.cycles(60);
+  rig.order_mode(PowerWish::kHold);
+  rig.mailboxes.goal.put(far_goal(rig));
+  rig.mailboxes.hand.put({{7, 2}, 1.0, 300});
+  rig.mailboxes.recalibration.put({{7, 3}, false});
+  rig.mailboxes.proposal.put({{7, 4}, 0, rig.state.model, false, {}});
+  rig.mailboxes.looks.push({{7, 5}, rig.now, {}, {}});
+  rig.events.clear();
+  rig.cycles(200);
+  EXPECT_EQ(rig.state.mode, Mode::kReady);
+  ASSERT_EQ(rig.events.size(), 6u);
+  for (const Event& event : rig.events) EXPECT_EQ(std::get<AnswerEvent>(event).answer, Answer::kNoLease);
+}
+
+TEST(Lease, AnOrderOfItsLastHolderDoesNotActUnderTheNext) {
+  ArmRig rig;
+  ASSERT_TRUE(rig.power_up());
+  rig.commander = 8;
+  rig.mailboxes.goal.put(far_goal(rig));  // tagged 7
+  rig.cycle();
+  EXPECT_EQ(rig.last_answer(), Answer::kNoLease);
+  EXPECT_EQ(rig.state.mode, Mode::kHold);
+}
+
+TEST(Stop, WinsOverAHoldOfTheSameCycle) {
+  ArmRig rig;
+  ASSERT_TRUE(rig.bring_to(Mode::kReady));
+  rig.order_mode(PowerWish::kHold);
+  rig.mailboxes.stop.set();
+  rig.cycle();
+  EXPECT_EQ(rig.last_answer(), Answer::kWrongState);
+  rig.cycles(200);
+  EXPECT_EQ(rig.state.mode, Mode::kReady);
+}
+
 }  // namespace
 }  // namespace armsight::arm::test
