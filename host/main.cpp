@@ -1,7 +1,6 @@
 // host: sees, learns, adapts, grasps. This file is the command line alone; app.cpp does the rest.
-#include <CLI/CLI.hpp>
-
 #include "host/command_line.hpp"
+#include "host/parse_flags.hpp"
 
 namespace {
 
@@ -80,13 +79,6 @@ int main(int argc, char** argv) {
   add_learning(app, line);
   add_acting(app, line);
   add_tools(app, line);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    app.exit(error);
-    return 2;
-  }
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   return armsight::host::run(line);
 }

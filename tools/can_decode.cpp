@@ -1,11 +1,10 @@
 // Prints the traffic of a CAN bus live as `candump -L` text: of the emulated bus or of a CAN interface.
-#include <CLI/CLI.hpp>
-
 #include <csignal>
 #include <cstdio>
 
 #include "arm_controller/emulated_bus.hpp"
 #include "arm_controller/socket_can.hpp"
+#include "host/parse_flags.hpp"
 #include "protocol/candump.hpp"
 
 namespace {
@@ -46,11 +45,7 @@ int main(int argc, char** argv) {
   auto* emulated = app.add_option("--bus", bus, "emulated:PATH, the bus that arm_sim serves");
   auto* real = app.add_option("--can", interface, "a CAN interface of this machine, e.g. can0");
   emulated->excludes(real);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   const std::string prefix = "emulated:";
   if (bus.empty() == interface.empty() || (!bus.empty() && !bus.starts_with(prefix))) {
     std::fprintf(stderr, "can_decode: give --bus emulated:PATH or --can IFACE\n");

@@ -1,8 +1,8 @@
 // convert_dataset KIND SOURCE TARGET: other people's calibration data as one of our data-set folders, for
 // `host calibrate --dataset TARGET`.
-#include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "host/parse_flags.hpp"
 #include "protocol/config_error.hpp"
 #include "tools/convert/convert.hpp"
 
@@ -13,14 +13,12 @@ int main(int argc, char** argv) {
   app.add_option("SOURCE", source, "folder the set came in")->required();
   app.add_option("TARGET", target, "folder to write")->required();
   app.add_option("--csv", csv, "talos: which of its files");
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   try {
-    app.parse(argc, argv);
     const int rows = !csv.empty() && kind == "talos" ? armsight::tools::convert_talos(source, csv, target)
                                                      : armsight::tools::convert(kind, source, target);
     std::cout << "convert_dataset: " << rows << " looks in, " << rows << " looks out: " << target << '\n';
     return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const armsight::ConfigError& error) {
     std::cerr << "convert_dataset: " << error.what() << '\n';
     return 2;

@@ -1,10 +1,10 @@
 // demo_run: the whole job on the simulated robot, with the very programs a user deploys, and its report.
 // Started by the script tools/demo, which installs and builds first.
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
 
+#include "host/parse_flags.hpp"
 #include "tools/report/demo_session.hpp"
 
 namespace {
@@ -76,11 +76,7 @@ int main(int argc, char** argv) try {
   DemoOptions options;
   CLI::App app("The whole job on the simulated robot: calibrate, drift, adapt, grasp; writes a report.", "demo_run");
   add_options(app, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   complete(options);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);

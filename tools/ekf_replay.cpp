@@ -1,10 +1,10 @@
 // ekf_replay: a recording's looks through the filter of this build, held against the golden table beside the recording
 // (golden/NAME.csv). Exit codes: 0 as golden or written, 1 different, 2 bad flag, file or recording.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
 
+#include "host/parse_flags.hpp"
 #include "protocol/config.hpp"
 #include "tools/replay/filter_replay.hpp"
 
@@ -94,11 +94,7 @@ int main(int argc, char** argv) {
   app.add_flag("--update", flags.update, "write the table instead");
   app.add_option("--robot", flags.robot, "robot file, where the recording holds none");
   app.add_option("--extract", flags.extract, "write the filter's messages of FILE as a small recording, nothing else");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   try {
     return run(flags);
   } catch (const RecordingError& error) {

@@ -1,10 +1,10 @@
 // link_record: records the link of one host's visit from between host and controller; both need no change, and in
 // lockstep their accounts stay between them. Exit codes: 0 either side ended the visit or Ctrl-C, 2 bad flag or file,
 // 3 the controller cannot be reached or the disk is full.
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 
+#include "host/parse_flags.hpp"
 #include "protocol/config_error.hpp"
 #include "tools/replay/relay.hpp"
 
@@ -33,11 +33,7 @@ int main(int argc, char** argv) {
   app.add_option("--arm", options.arm_address, "ADDR:PORT of the arm controller")->required();
   app.add_option("--listen", options.listen_address, "ADDR:PORT for the host, loopback; port 0: chosen and printed")->capture_default_str();
   app.add_option("--out", options.file, "the recording, an MCAP file")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   std::signal(SIGPIPE, SIG_IGN);
   try {

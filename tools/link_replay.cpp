@@ -3,11 +3,11 @@
 // clock. Exit codes: 0 same, 1 different, 2 bad flag or file, or a run that cannot be repeated here, 3 peer lost.
 #include <poll.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
+#include "host/parse_flags.hpp"
 #include "tools/replay/link_player.hpp"
 #include "tools/report/child_process.hpp"
 
@@ -138,11 +138,7 @@ int main(int argc, char** argv) {
   app.add_option("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller")->required();
   app.add_option("--clock", flags.clock, "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
   app.add_option("--connection", flags.connection, "this one of the recorded connections only, from 1")->check(CLI::PositiveNumber);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   if (!flags.clock.starts_with("sim:"))
     return fail(2, "--clock sim:PATH is needed: recordings are sent to a simulated arm only, never to a real one");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
