@@ -25,15 +25,19 @@ void Adaptation::begin(bool keep_covariance) noexcept {
   is_open_ = true;
 }
 
-FusionReport Adaptation::fuse(HandPoseMeasurement z) noexcept {
-  const FusionReport report = filter_.update(z);
-  if (report.outcome == FusionOutcome::kFused || report.outcome == FusionOutcome::kFusedSecondSolution) {
-    const std::uint64_t revision = model_.revision + 1;
-    model_ = filter_.model();
-    model_.revision = revision;
-    source_ = ModelSource::kFilter;
+bool Adaptation::fuse(const HandPoseMeasurement& z, FusionReport& report) noexcept {
+  const StateMatrix P_before = filter_.covariance();
+  report = filter_.update(z);
+  if (report.outcome != FusionOutcome::kFused && report.outcome != FusionOutcome::kFusedSecondSolution) return true;
+  if (!is_plausible(filter_.model())) {
+    filter_.reset(model_, P_before);
+    return false;
   }
-  return report;
+  const std::uint64_t revision = model_.revision + 1;
+  model_ = filter_.model();
+  model_.revision = revision;
+  source_ = ModelSource::kFilter;
+  return true;
 }
 
 AnswerEvent Adaptation::take(const Look& look, const JointHistory& history, FilterEvent& event) noexcept {
@@ -57,7 +61,10 @@ AnswerEvent Adaptation::take(const Look& look, const JointHistory& history, Filt
   if (answer.answer == Answer::kAccepted) {
     HandPoseMeasurement z = look.measurement;
     z.q = joints->q_rad;
-    event.report = fuse(z);
+    if (!fuse(z, event.report)) {
+      event.look = LookOutcome::kImplausible;
+      answer = {look.tag, Answer::kImplausible, "the look led to an offset above 20 deg or a camera beyond 5 m"};
+    }
   }
   fill(event);
   return answer;
@@ -72,9 +79,12 @@ void Adaptation::fill(FilterEvent& event) const noexcept {
   event.hand_sigma = filter_.predicted_hand_covariance(event.q_reading_rad).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
+bool Adaptation::is_plausible(const LearnedModel& model) noexcept {
+  return model.beta.cwiseAbs().maxCoeff() <= kMaxBeta_rad && model.T_C_B.p.norm() <= kMaxCameraDistance_m;
+}
+
 bool Adaptation::is_plausible(const Proposal& proposal) noexcept {
-  const LearnedModel& m = proposal.model;
-  if (m.beta.cwiseAbs().maxCoeff() > kMaxBeta_rad || m.T_C_B.p.norm() > kMaxCameraDistance_m) return false;
+  if (!is_plausible(proposal.model)) return false;
   if (!proposal.has_covariance) return true;
   if (proposal.P.diagonal().minCoeff() < 0.0 || proposal.P.diagonal().maxCoeff() > kMaxSigma * kMaxSigma) return false;
   const StateMatrix lifted = proposal.P + 1e-12 * StateMatrix::Identity(proposal.P.rows(), proposal.P.cols());

@@ -8,6 +8,7 @@ namespace {
 wire::FusionOutcome outcome(const FilterEvent& event) {
   if (event.look == LookOutcome::kNoJoints) return wire::FUSION_OUTCOME_NO_JOINTS;
   if (event.look == LookOutcome::kMoving) return wire::FUSION_OUTCOME_MOVING;
+  if (event.look == LookOutcome::kImplausible) return wire::FUSION_OUTCOME_IMPLAUSIBLE;
   switch (event.report.outcome) {
     case FusionOutcome::kFused: return wire::FUSION_OUTCOME_FUSED;
     case FusionOutcome::kFusedSecondSolution: return wire::FUSION_OUTCOME_FUSED_SECOND_SOLUTION;

@@ -88,7 +88,7 @@ struct GoalEvent {
   const char* text = "";
 };
 
-enum class LookOutcome : std::uint8_t { kFiltered, kNoJoints, kMoving };
+enum class LookOutcome : std::uint8_t { kFiltered, kNoJoints, kMoving, kImplausible };
 struct FilterEvent {
   LookOutcome look = LookOutcome::kFiltered;
   FusionReport report;

@@ -29,6 +29,7 @@ const char* to_text(wire::FusionOutcome outcome) {
     case wire::FUSION_OUTCOME_NOT_FINITE: return "not finite";
     case wire::FUSION_OUTCOME_NO_JOINTS: return "outside the joint history";
     case wire::FUSION_OUTCOME_MOVING: return "arm was moving";
+    case wire::FUSION_OUTCOME_IMPLAUSIBLE: return "model beyond reason, rolled back";
     default: return "unknown";
   }
 }

@@ -189,6 +189,27 @@ TEST(Looks, CorrectTheModelAndRaiseItsRevision) {
   EXPECT_LT(left.head<3>().norm(), 2e-3);
 }
 
+// What is in force is saved and must be loadable (offsets within 20°, camera within 5 m): a look may not leave that.
+TEST(Looks, AModelBeyondReasonIsRolledBackAndReported) {
+  RobotConfig robot = nominal_robot();
+  robot.filter.prior_position_sigma_m = 10.0;
+  ArmRig rig(robot);
+  ASSERT_TRUE(rig.power_up());
+  rig.mailboxes.recalibration.put({{7, 1}, false});
+  rig.cycles(60);
+  Look far = look_at(rig, JointVector::Zero(5));
+  far.measurement.T_C_H.p.z() += 7.0;
+  rig.mailboxes.looks.push(far);
+  rig.cycle();
+  EXPECT_EQ(rig.last_answer(), Answer::kImplausible);
+  EXPECT_EQ(rig.last<FilterEvent>()->look, LookOutcome::kImplausible);
+  EXPECT_EQ(rig.state.model.revision, 0u);
+  rig.mailboxes.looks.push(look_at(rig, posture(0, 0.02, 0, 0, 0)));  // the filter stands where it stood
+  rig.cycle();
+  EXPECT_EQ(rig.state.model.revision, 1u);
+  EXPECT_LT((rig.state.model.T_C_B.p - robot.camera_hint_T_C_B.p).norm(), 0.1);
+}
+
 TEST(Looks, AreRefusedOutOfTimeMovingOrWithoutRecalibration) {
   ArmRig rig;
   ASSERT_TRUE(rig.power_up());

@@ -96,7 +96,10 @@ void Replayer::walk_until(std::int64_t arm_time_ns) {
 void Replayer::take_report(const wire::FilterReport& report, std::int64_t now_ns) {
   const std::string where = "filter_report of " + std::to_string(report.arm_capture_time_ns()) + " ns";
   if (!has_model_) throw RecordingError(where + ": no model_update before it");
-  if (report.outcome() == wire::FUSION_OUTCOME_NO_JOINTS || report.outcome() == wire::FUSION_OUTCOME_MOVING) return;
+  const bool left_no_trace = report.outcome() == wire::FUSION_OUTCOME_NO_JOINTS ||
+                             report.outcome() == wire::FUSION_OUTCOME_MOVING ||
+                             report.outcome() == wire::FUSION_OUTCOME_IMPLAUSIBLE;
+  if (left_no_trace) return;
   const auto look = looks_.find(report.arm_capture_time_ns());
   if (look == looks_.end()) throw RecordingError(where + ": its hand_pose is not in the recording");
   HandPoseMeasurement z;
