@@ -63,7 +63,8 @@ struct FileWriter::Impl {
   std::uint64_t requested = 0, completed = 0;
   bool leaves = false;
   std::atomic<std::uint64_t> saved_revision{0};
-  std::atomic<bool> save_failed{false};
+  StickyFlag save_failed;
+  std::string last_complaint;
   std::thread thread;
 };
 
@@ -141,9 +142,11 @@ void FileWriter::Impl::save(const ModelEvent& model) {
   try {
     save_model_in_force(folder, robot, model);
     saved_revision.store(model.model.revision, std::memory_order_release);
+    last_complaint.clear();
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "arm_controller: %s\n", e.what());
-    save_failed.store(true, std::memory_order_release);
+    if (e.what() != last_complaint) std::fprintf(stderr, "arm_controller: %s\n", e.what());
+    last_complaint = e.what();
+    save_failed.set();
   }
 }
 
@@ -167,7 +170,7 @@ void FileWriter::record_link(bool to_controller, const std::string& peer, const 
 }
 
 std::uint64_t FileWriter::saved_revision() const { return impl_->saved_revision.load(std::memory_order_acquire); }
-bool FileWriter::save_failed() const { return impl_->save_failed.load(std::memory_order_acquire); }
+bool FileWriter::take_save_failure() { return impl_->save_failed.take(); }
 
 void FileWriter::wait_idle() {
   std::unique_lock lock(impl_->mutex);

@@ -26,7 +26,8 @@ class FileWriter {
   void record_link(bool to_controller, const std::string& peer, const wire::Envelope& envelope, Time now);
   /// All revisions up to this one are on disk.
   std::uint64_t saved_revision() const;
-  bool save_failed() const;
+  /// True once for each model that could not be saved (or for several at once).
+  bool take_save_failure();
   /// Returns when everything queued so far is done.
   void wait_idle();
 

@@ -8,6 +8,7 @@ namespace {
 
 constexpr Duration kStatePeriod = std::chrono::milliseconds(20);
 constexpr Duration kStatisticsPeriod = std::chrono::seconds(1);
+constexpr Duration kSaveAgainAfter = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -93,9 +94,20 @@ void LinkServer::publish_answer(const AnswerEvent& answer, Time now) {
   }
 }
 
+// The newest is tried again until there is room: the file holds one model, and those before it are overtaken.
+void LinkServer::watch_saving(Time now) {
+  if (files_.take_save_failure()) {
+    mailboxes_.model_not_saved.set();
+    save_again_at_ = now + kSaveAgainAfter;
+  }
+  if (!save_again_at_ || now < *save_again_at_) return;
+  save_again_at_.reset();
+  if (!unsaved_.empty()) files_.save_model(unsaved_.back());
+}
+
 // Why saved first: a revision that a peer has seen must survive a crash, or numbers would be given twice.
 void LinkServer::publish_saved_models(Time now) {
-  if (files_.save_failed()) mailboxes_.model_not_saved.set();
+  watch_saving(now);
   while (!unsaved_.empty()) {
     const ModelEvent& model = unsaved_.front();
     const bool is_new = model.source == ModelSource::kCalibration || model.source == ModelSource::kFilter;

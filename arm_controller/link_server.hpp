@@ -68,6 +68,7 @@ class LinkServer {
   void publish_event(const Event& event, Time now);
   void publish_answer(const AnswerEvent& answer, Time now);
   void publish_saved_models(Time now);
+  void watch_saving(Time now);
   void publish_state(Time now);
   void publish_statistics(Time now);
   void greet(LinkSession& peer, Time now);
@@ -90,6 +91,7 @@ class LinkServer {
   std::optional<ModelEvent> model_;   ///< last published
   std::optional<FaultEvent> fault_;
   Time next_state_{}, next_statistics_{};
+  std::optional<Time> save_again_at_;
 };
 
 }  // namespace armsight::arm

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "arm_controller/state_folder.hpp"
 #include "tests/arm_controller/link_rig.hpp"
 
 namespace armsight::arm::test {
@@ -30,15 +29,6 @@ wire::Envelope pose_goal(const LinkRig& rig, const JointVector& q) {
   goal.set_orientation_tolerance_rad(0.02);
   goal.set_speed_scale(1.0);
   goal.set_valid_for_ns(100'000'000);
-  return envelope;
-}
-
-wire::Envelope proposal(const LinkRig& rig, std::uint64_t parent) {
-  wire::Envelope envelope;
-  wire::ModelProposal& p = *envelope.mutable_model_proposal();
-  p.set_parent_revision(parent);
-  to_wire(rig.robot.camera_hint_T_C_B, p.mutable_base_in_camera());
-  for (int i = 0; i < 5; ++i) p.add_beta_rad(0.01 * i);
   return envelope;
 }
 
@@ -214,19 +204,6 @@ TEST(Link, AHangUpStopsTheArmAtOnce) {
   peer->hang_up();
   rig.cycles(3);
   EXPECT_NE(rig.link->mode(), Mode::kServo);
-}
-
-TEST(Model, IsSavedBeforeItIsPublishedAndLoadedAtTheNextStart) {
-  LinkRig rig;
-  auto peer = rig.powered_commander();
-  peer->send(proposal(rig, 0));
-  EXPECT_TRUE(rig.wait_for(*peer, [](const auto& e) { return e.has_model_update() && e.model_update().revision() == 1; }));
-  EXPECT_TRUE(std::filesystem::exists(rig.folder / "model.yaml"));
-  EXPECT_EQ(rig.refusal_of(*peer, peer->send(proposal(rig, 0))), wire::REFUSAL_REASON_STALE_MODEL);
-  const StartModel loaded = load_model_in_force(rig.folder, rig.robot);
-  EXPECT_EQ(loaded.model.revision, 1u);
-  EXPECT_EQ(loaded.model.beta[4], 0.04);
-  EXPECT_EQ(loaded.source, ModelSource::kLoaded);
 }
 
 }  // namespace
