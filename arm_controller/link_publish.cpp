@@ -10,6 +10,14 @@ constexpr Duration kStatePeriod = std::chrono::milliseconds(20);
 constexpr Duration kStatisticsPeriod = std::chrono::seconds(1);
 constexpr Duration kSaveAgainAfter = std::chrono::seconds(1);
 
+/// 0: it names none.
+std::uint64_t revision_in(const Event& event) {
+  if (const auto* goal = std::get_if<GoalEvent>(&event)) return goal->model_revision;
+  if (const auto* look = std::get_if<FilterEvent>(&event)) return look->model_revision;
+  if (const auto* model = std::get_if<ModelEvent>(&event)) return model->model.revision;
+  return 0;
+}
+
 }  // namespace
 
 void LinkServer::send(LinkSession& peer, wire::Envelope& envelope, Time now) {
@@ -54,8 +62,9 @@ void LinkServer::protocol_error(LinkSession& peer, std::uint64_t sequence, const
 
 void LinkServer::publish(Time now) {
   take_events(now);
-  if (!unsaved_.empty() && clock_.is_lockstep()) files_.wait_idle();
-  publish_saved_models(now);
+  if (unsaved_ && clock_.is_lockstep()) files_.wait_idle();
+  watch_saving(now);
+  tell_saved(now);
   if (now >= next_state_) publish_state(now);
   if (now >= next_statistics_) publish_statistics(now);
 }
@@ -68,11 +77,27 @@ void LinkServer::take_events(Time now) {
 
 void LinkServer::publish_event(const Event& event, Time now) {
   if (const auto* answer = std::get_if<AnswerEvent>(&event)) return publish_answer(*answer, now);
-  wire::Envelope envelope;
   if (const auto* model = std::get_if<ModelEvent>(&event)) {
     const bool is_new = model->source == ModelSource::kCalibration || model->source == ModelSource::kFilter;
+    if (!is_new) loaded_revision_ = model->model.revision;
     if (is_new) files_.save_model(*model);
-    return unsaved_.push_back(*model);
+    if (is_new) unsaved_ = *model;
+  }
+  hold_or_tell(event, now);
+}
+
+// Why saved first: a revision that a peer has seen must survive a crash, or numbers would be given twice.
+void LinkServer::hold_or_tell(const Event& event, Time now) {
+  if (held_.empty() && revision_in(event) <= revision_on_disk()) return tell(event, now);
+  if (std::holds_alternative<FaultEvent>(event)) return tell(event, now);  // names none, and cannot wait
+  held_.push_back(event);
+}
+
+void LinkServer::tell(const Event& event, Time now) {
+  wire::Envelope envelope;
+  if (const auto* model = std::get_if<ModelEvent>(&event)) {
+    model_ = *model;
+    to_wire(*model, *envelope.mutable_model_update());
   }
   if (const auto* goal = std::get_if<GoalEvent>(&event)) to_wire(*goal, *envelope.mutable_goal_status());
   if (const auto* look = std::get_if<FilterEvent>(&event)) to_wire(*look, *envelope.mutable_filter_report());
@@ -94,30 +119,23 @@ void LinkServer::publish_answer(const AnswerEvent& answer, Time now) {
   }
 }
 
+void LinkServer::tell_saved(Time now) {
+  while (!held_.empty() && revision_in(held_.front()) <= revision_on_disk()) {
+    tell(held_.front(), now);
+    held_.pop_front();
+  }
+}
+
 // The newest is tried again until there is room: the file holds one model, and those before it are overtaken.
 void LinkServer::watch_saving(Time now) {
+  if (unsaved_ && unsaved_->model.revision <= revision_on_disk()) unsaved_.reset();
   if (files_.take_save_failure()) {
     mailboxes_.model_not_saved.set();
     save_again_at_ = now + kSaveAgainAfter;
   }
   if (!save_again_at_ || now < *save_again_at_) return;
   save_again_at_.reset();
-  if (!unsaved_.empty()) files_.save_model(unsaved_.back());
-}
-
-// Why saved first: a revision that a peer has seen must survive a crash, or numbers would be given twice.
-void LinkServer::publish_saved_models(Time now) {
-  watch_saving(now);
-  while (!unsaved_.empty()) {
-    const ModelEvent& model = unsaved_.front();
-    const bool is_new = model.source == ModelSource::kCalibration || model.source == ModelSource::kFilter;
-    if (is_new && files_.saved_revision() < model.model.revision) return;
-    model_ = model;
-    unsaved_.pop_front();
-    wire::Envelope envelope;
-    to_wire(*model_, *envelope.mutable_model_update());
-    broadcast(envelope, now);
-  }
+  if (unsaved_) files_.save_model(*unsaved_);
 }
 
 void LinkServer::publish_state(Time now) {
@@ -125,6 +143,7 @@ void LinkServer::publish_state(Time now) {
   if (sessions_.empty() || !state_.has_positions) return;
   wire::Envelope envelope;
   to_wire(state_, *envelope.mutable_arm_state());
+  envelope.mutable_arm_state()->set_model_revision(std::min(state_.model.revision, revision_on_disk()));
   for (auto& session : sessions_) {
     if (session->session == 0) continue;
     envelope.mutable_arm_state()->set_has_lease(session->session == lease_.session);

@@ -3,6 +3,7 @@
 // without handshake, lease and limits; Stop is taken from everybody, always.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 #include <vector>
@@ -67,8 +68,11 @@ class LinkServer {
   void take_events(Time now);
   void publish_event(const Event& event, Time now);
   void publish_answer(const AnswerEvent& answer, Time now);
-  void publish_saved_models(Time now);
+  void hold_or_tell(const Event& event, Time now);
+  void tell(const Event& event, Time now);
+  void tell_saved(Time now);
   void watch_saving(Time now);
+  std::uint64_t revision_on_disk() const { return std::max(loaded_revision_, files_.saved_revision()); }
   void publish_state(Time now);
   void publish_statistics(Time now);
   void greet(LinkSession& peer, Time now);
@@ -87,7 +91,9 @@ class LinkServer {
   Duration lease_length_;
   Lease lease_;                       ///< session 0: free
   ArmSnapshot state_;
-  std::deque<ModelEvent> unsaved_;    ///< published once they are on disk
+  std::uint64_t loaded_revision_ = 0;
+  std::optional<ModelEvent> unsaved_; ///< the newest that was given to the disk and is not there yet
+  std::deque<Event> held_;            ///< what names a revision that is not on disk yet, and what came after it
   std::optional<ModelEvent> model_;   ///< last published
   std::optional<FaultEvent> fault_;
   Time next_state_{}, next_statistics_{};

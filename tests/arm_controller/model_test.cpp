@@ -16,6 +16,16 @@ wire::Envelope proposal(const LinkRig& rig, std::uint64_t parent) {
   return envelope;
 }
 
+wire::Envelope joint_goal(std::uint64_t id) {
+  wire::Envelope envelope;
+  wire::JointGoal& goal = *envelope.mutable_joint_goal();
+  goal.set_goal(id);
+  for (const double q : {0.4, 0.1, -0.3, 1.0, 0.2}) goal.add_q_real_rad(q);
+  goal.set_speed_scale(1.0);
+  goal.set_valid_for_ns(100'000'000);
+  return envelope;
+}
+
 /// model.yaml cannot be written while a folder stands in its place.
 class BlockedFile {
  public:
@@ -28,6 +38,12 @@ class BlockedFile {
   std::filesystem::path path_;
 };
 
+/// The highest revision that a message names.
+std::uint64_t revision_in(const wire::Envelope& e) {
+  return std::max({e.arm_state().model_revision(), e.goal_status().model_revision(), e.filter_report().model_revision(),
+                   e.model_update().revision()});
+}
+
 TEST(Model, IsSavedBeforeItIsPublishedAndLoadedAtTheNextStart) {
   LinkRig rig;
   auto peer = rig.powered_commander();
@@ -39,6 +55,17 @@ TEST(Model, IsSavedBeforeItIsPublishedAndLoadedAtTheNextStart) {
   EXPECT_EQ(loaded.model.revision, 1u);
   EXPECT_EQ(loaded.model.beta[4], 0.04);
   EXPECT_EQ(loaded.source, ModelSource::kLoaded);
+}
+
+// After a crash a number that nobody saved is given again, to another model.
+TEST(Model, NoMessageNamesARevisionThatIsNotOnDisk) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  BlockedFile blocked(rig);
+  peer->send(proposal(rig, 0));
+  peer->send(joint_goal(3));
+  const auto leak = rig.wait_for(*peer, [](const auto& e) { return revision_in(e) > 0; }, 400);
+  EXPECT_FALSE(leak) << "a message of kind " << leak->body_case();
 }
 
 TEST(Model, ADiskThatWasFullIsMendedByMakingRoomAndClearing) {
