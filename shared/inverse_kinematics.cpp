@@ -28,6 +28,10 @@ struct Task {
   const SerialChain& chain;
   const Pose& T_B_G;
   JointVector min, max;  ///< margins taken off
+  int max_evaluations;
+  mutable int evaluations = 0;
+
+  bool is_spent() const { return evaluations >= max_evaluations; }
 };
 
 struct State {
@@ -37,6 +41,7 @@ struct State {
 };
 
 State evaluate(const Task& task, const JointVector& q) {
+  ++task.evaluations;
   const HandKinematics hand = hand_kinematics(task.chain, q);
   return {q, pose_error(task.T_B_G, hand.T_B_H), hand.J};
 }
@@ -54,7 +59,7 @@ JointVector limited_step(const Task& task, const State& at, const JointMatrix& N
 State approach(const Task& task, State at, double weight_m, int iterations) {
   const double w2 = weight_m * weight_m;
   double damping = 1e-3;
-  for (int k = 0; k < iterations && damping < 1e6; ++k) {
+  for (int k = 0; k < iterations && damping < 1e6 && !task.is_spent(); ++k) {
     const auto J_P = at.J.topRows<3>();
     const auto J_O = at.J.bottomRows<3>();
     JointMatrix N = J_P.transpose() * J_P + w2 * (J_O.transpose() * J_O);
@@ -87,7 +92,7 @@ State restore_position(const Task& task, State at) {
 /// Stage 2, position first: turns the hand along the postures that keep the position, to the least orientation error.
 State turn_in_place(const Task& task, State at, double tolerance_m, int iterations) {
   double damping = 1e-4;
-  for (int k = 0; k < iterations && damping < 1e4; ++k) {
+  for (int k = 0; k < iterations && damping < 1e4 && !task.is_spent(); ++k) {
     const auto J_P = at.J.topRows<3>();
     const auto J_O = at.J.bottomRows<3>();
     JointMatrix N = J_O.transpose() * J_O + kPositionPriority * (J_P.transpose() * J_P);
@@ -145,11 +150,11 @@ std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& 
   if (!is_well_posed(chain, min_rad, max_rad, T_B_G, seed)) return std::nullopt;
   if (T_B_G.p.norm() > reach_m(chain) + options.position_tolerance_m) return std::nullopt;
   const JointVector margin = (0.25 * (max_rad - min_rad)).cwiseMin(options.limit_margin_rad);
-  const Task task{chain, T_B_G, min_rad + margin, max_rad - margin};
+  const Task task{chain, T_B_G, min_rad + margin, max_rad - margin, options.max_evaluations};
   std::vector<IkSolution> found;
   double least = std::numeric_limits<double>::infinity();
   int agreeing = 0;
-  for (int k = 0; k < 2 * std::max(1, options.starts); ++k) {
+  for (int k = 0; k < 2 * std::max(1, options.starts) && !task.is_spent(); ++k) {
     State at = evaluate(task, k < 2 ? JointVector(seed.cwiseMax(task.min).cwiseMin(task.max)) : start_posture(task, k / 2));
     // Each start twice: position first, which keeps a folded elbow, and by the weighted way, which crosses more basins.
     if (k % 2 == 1) at = approach(task, at, options.orientation_weight_m, options.iterations);
@@ -158,13 +163,15 @@ std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& 
     if (!(at.e.head<3>().norm() <= options.position_tolerance_m)) continue;
     at = turn_in_place(task, at, options.position_tolerance_m, options.iterations);
     const double position_error = at.e.head<3>().norm(), orientation_error = at.e.tail<3>().norm();
-    found.push_back({at.q, position_error, orientation_error});
+    found.push_back({at.q, position_error, orientation_error, 0});
     if (orientation_error < least - kSameOrientation_rad) agreeing = 0;
     if (orientation_error < least + kSameOrientation_rad) ++agreeing;
     least = std::min(least, orientation_error);
     if (agreeing >= (least < kSameOrientation_rad ? kEnoughExact : kEnoughAgreeing)) break;
   }
-  return best_of(found, seed);
+  std::optional<IkSolution> best = best_of(found, seed);
+  if (best) best->evaluations = task.evaluations;
+  return best;
 }
 
 }  // namespace armsight

@@ -14,12 +14,14 @@ struct IkOptions {
   int starts = 48;                     ///< at most: first from `seed`, then a fixed low-discrepancy sequence
   int iterations = 100;
   double limit_margin_rad = 0.01;      ///< kept clear of both limits
+  int max_evaluations = 8000;          ///< of the kinematics: bounds the time, the best until then is the answer
 };
 
 struct IkSolution {
   JointVector q;                    ///< real angles, inside the limits
   double position_error_m = 0.0;    ///< certificate, from forward kinematics
   double orientation_error_rad = 0.0;
+  int evaluations = 0;              ///< spent on the whole search
 };
 
 /// Best posture for T_B_G: nullopt when no start reaches the position inside [min, max] (limits of real angles).

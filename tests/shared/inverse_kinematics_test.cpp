@@ -111,6 +111,24 @@ TEST(InverseKinematics, GivesTheSameAnswerEveryTime) {
   EXPECT_EQ(first->q, second->q);
 }
 
+TEST(InverseKinematics, StaysInsideItsBudgetAndAnswersTheBestUntilThen) {
+  const Robot robot = general_robot(7);
+  std::mt19937 random(8);
+  for (int k = 0; k < 50; ++k) {
+    Pose goal = forward_kinematics(robot.chain, random_between(robot.min, robot.max, random));
+    goal.p *= 1.2;  // near the reach: every start is tried
+    const JointVector seed = random_between(robot.min, robot.max, random);
+    const auto whole = solve_ik(robot.chain, robot.min, robot.max, goal, seed);
+    const auto hasty = solve_ik(robot.chain, robot.min, robot.max, goal, seed, {.max_evaluations = 200});
+    if (!hasty) continue;
+    ASSERT_TRUE(whole);
+    EXPECT_LE(hasty->evaluations, 210);  // a step that was begun is ended
+    EXPECT_LE(whole->evaluations, IkOptions{}.max_evaluations + 10);
+    EXPECT_GE(hasty->orientation_error_rad, whole->orientation_error_rad - 2e-4);
+    EXPECT_LE(hasty->position_error_m, IkOptions{}.position_tolerance_m);
+  }
+}
+
 TEST(InverseKinematics, RefusesWhatCannotBeReached) {
   const Robot robot = default_robot();
   const JointVector seed = joints({0.3, -0.4, 0.5, 1.0, 0.2});
