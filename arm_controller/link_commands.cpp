@@ -2,6 +2,11 @@
 #include "arm_controller/link_server.hpp"
 
 namespace armsight::arm {
+namespace {
+
+const Refused kReplaced{wire::REFUSAL_REASON_OVERFLOW, "replaced by a newer one before the next cycle"};
+
+}  // namespace
 
 bool LinkServer::is_expired(const Message& m, std::int64_t valid_for_ns) {
   const Duration age = m.peer.age(m.arrival, m.envelope.sent_time_ns());
@@ -17,12 +22,30 @@ void LinkServer::hand_on(const Message& m, Slot<Order>& slot, const Body& body, 
   Order order;
   if (auto no = read_order(body, view..., order)) return refuse(m, *no);
   order.tag = m.tag();
-  const std::optional<Order> replaced = slot.put(order);
-  if (!replaced) return;
+  if (const std::optional<Order> replaced = slot.put(order)) send_refusal(replaced->tag, kReplaced, m.now);
+}
+
+// Inverse kinematics takes milliseconds, and a Stop or a heartbeat behind it must not wait: one goal a step, the newest,
+// after all the rest of the step.
+void LinkServer::keep_pose_goal(const Message& m) {
+  drop_pose_goal(kReplaced, m.now);
+  pose_goal_ = {m.peer.session, m.envelope, m.arrival};
+}
+
+void LinkServer::judge_pose_goal(Time now) {
+  if (!pose_goal_) return;
+  const PoseGoalInHand taken = std::move(*pose_goal_);
+  pose_goal_.reset();
   for (auto& session : sessions_)
-    if (session->session == replaced->tag.session)
-      send_refusal(*session, replaced->tag.sequence,
-                   {wire::REFUSAL_REASON_OVERFLOW, "replaced by a newer one before the next cycle"}, m.now);
+    if (session->session == taken.session)
+      hand_on({*session, taken.envelope, taken.arrival, now}, mailboxes_.goal, taken.envelope.pose_goal(), view());
+}
+
+void LinkServer::drop_pose_goal(const Refused& why, Time now) {
+  if (!pose_goal_) return;
+  const Tag tag{pose_goal_->session, pose_goal_->envelope.sequence()};
+  pose_goal_.reset();
+  send_refusal(tag, why, now);
 }
 
 void LinkServer::on_command(const Message& m) {
@@ -32,10 +55,11 @@ void LinkServer::on_command(const Message& m) {
   switch (e.body_case()) {
     case wire::Envelope::kModeRequest: return hand_on(m, mailboxes_.mode, e.mode_request());
     case wire::Envelope::kJointGoal:
-      if (!is_expired(m, e.joint_goal().valid_for_ns())) hand_on(m, mailboxes_.goal, e.joint_goal(), view());
-      return;
+      if (is_expired(m, e.joint_goal().valid_for_ns())) return;
+      drop_pose_goal(kReplaced, m.now);
+      return hand_on(m, mailboxes_.goal, e.joint_goal(), view());
     case wire::Envelope::kPoseGoal:
-      if (!is_expired(m, e.pose_goal().valid_for_ns())) hand_on(m, mailboxes_.goal, e.pose_goal(), view());
+      if (!is_expired(m, e.pose_goal().valid_for_ns())) keep_pose_goal(m);
       return;
     case wire::Envelope::kHandCommand: return hand_on(m, mailboxes_.hand, e.hand_command());
     case wire::Envelope::kModelProposal: return hand_on(m, mailboxes_.proposal, e.model_proposal(), view());

@@ -54,6 +54,12 @@ void LinkServer::send_refusal(LinkSession& peer, std::uint64_t sequence, const R
   send(peer, envelope, now);
 }
 
+/// To a session that may be gone by now.
+void LinkServer::send_refusal(const Tag& tag, const Refused& why, Time now) {
+  for (auto& session : sessions_)
+    if (session->session == tag.session) send_refusal(*session, tag.sequence, why, now);
+}
+
 void LinkServer::protocol_error(LinkSession& peer, std::uint64_t sequence, const Refused& why, Time now) {
   ++protocol_errors_;
   send_refusal(peer, sequence, why, now);

@@ -44,6 +44,7 @@ void LinkServer::step(Time now) {
     if (event.is_closed) forget(event.stream);
     else handle(session_of(event.stream), event.message, now);
   }
+  judge_pose_goal(now);
   if (lease_.session != 0 && now > lease_.until) end_lease("lease ended: the commander was silent too long", now);
 }
 
@@ -71,6 +72,7 @@ void LinkServer::handle(LinkSession& peer, const net::Received& received, Time n
   const Message m{peer, envelope, received.arrival, now};
   if (envelope.has_stop()) {  // from everybody, with or without session, sequence, lease
     mailboxes_.stop.set();
+    drop_pose_goal({wire::REFUSAL_REASON_WRONG_STATE, "stopped before it began"}, now);
     return accept(m);
   }
   if (check_order_of_messages(m)) dispatch(m);
@@ -184,8 +186,8 @@ void LinkServer::end_lease(const char* why, Time now) {
   const std::uint64_t holder = lease_.session;
   lease_ = {};
   post_lease();
-  for (auto& session : sessions_)
-    if (session->session == holder) send_refusal(*session, 0, {wire::REFUSAL_REASON_NO_LEASE, why}, now);
+  drop_pose_goal({wire::REFUSAL_REASON_NO_LEASE, why}, now);
+  send_refusal({holder, 0}, {wire::REFUSAL_REASON_NO_LEASE, why}, now);
 }
 
 void LinkServer::post_lease() { mailboxes_.lease.put(lease_); }

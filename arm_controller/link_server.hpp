@@ -53,6 +53,9 @@ class LinkServer {
   template <typename Order, typename Body, typename... View>
   void hand_on(const Message& m, Slot<Order>& slot, const Body& body, const View&... view);
   bool is_expired(const Message& m, std::int64_t valid_for_ns);
+  void keep_pose_goal(const Message& m);
+  void judge_pose_goal(Time now);
+  void drop_pose_goal(const Refused& why, Time now);
   void on_look(const Message& m);
 
   void renew_lease(const Message& m);
@@ -64,6 +67,7 @@ class LinkServer {
   void refuse(const Message& m, const Refused& why);
   void protocol_error(LinkSession& peer, std::uint64_t sequence, const Refused& why, Time now);
   void send_refusal(LinkSession& peer, std::uint64_t sequence, const Refused& why, Time now);
+  void send_refusal(const Tag& tag, const Refused& why, Time now);
   void broadcast(wire::Envelope& envelope, Time now);
   void take_events(Time now);
   void publish_event(const Event& event, Time now);
@@ -90,6 +94,12 @@ class LinkServer {
   std::uint64_t next_session_ = 0, protocol_errors_ = 0;
   Duration lease_length_;
   Lease lease_;                       ///< session 0: free
+  struct PoseGoalInHand {
+    std::uint64_t session;
+    wire::Envelope envelope;
+    Time arrival;
+  };
+  std::optional<PoseGoalInHand> pose_goal_;  ///< the newest, judged when all else of this step is done
   ArmSnapshot state_;
   std::uint64_t loaded_revision_ = 0;
   std::optional<ModelEvent> unsaved_; ///< the newest that was given to the disk and is not there yet

@@ -160,6 +160,44 @@ TEST(Link, RefusesGoalsWithTheirReasons) {
   EXPECT_TRUE(peer->is_open());
 }
 
+// Inverse kinematics takes milliseconds on the link's thread: one goal a step, the newest, and everything else first.
+TEST(Link, AFloodOfPoseGoalsIsJudgedOnceAndBehindEverythingElse) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  rig.cycles(2);
+  peer->take();
+  wire::Envelope far = pose_goal(rig, JointVector::Constant(5, 0.3));
+  far.mutable_pose_goal()->mutable_hand_goal()->set_x_m(0.3);
+  for (int i = 0; i < 20; ++i) peer->send(far);
+  wire::Envelope beat;
+  beat.mutable_heartbeat();
+  peer->send(beat);
+  std::vector<wire::Envelope> answers;
+  for (int i = 0; i < 5; ++i) {
+    rig.cycle();
+    for (const wire::Envelope& e : peer->take())
+      if (e.has_refusal() || e.has_heartbeat_reply()) answers.push_back(e);
+  }
+  ASSERT_EQ(answers.size(), 21u);
+  for (std::size_t i = 0; i < 19; ++i) EXPECT_EQ(answers[i].refusal().reason(), wire::REFUSAL_REASON_OVERFLOW);
+  EXPECT_TRUE(answers[19].has_heartbeat_reply());
+  EXPECT_EQ(answers[20].refusal().reason(), wire::REFUSAL_REASON_UNREACHABLE);
+}
+
+TEST(Link, AStopBehindAPoseGoalWins) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  JointVector q(5);
+  q << 0.5, 0.2, -0.5, 1.2, 0.3;
+  const std::uint64_t goal = peer->send(pose_goal(rig, q));
+  wire::Envelope stop;
+  stop.mutable_stop();
+  peer->send(stop);
+  EXPECT_EQ(rig.refusal_of(*peer, goal), wire::REFUSAL_REASON_WRONG_STATE);
+  rig.cycles(10);
+  EXPECT_EQ(rig.link->mode(), Mode::kHold);
+}
+
 TEST(Link, RefusesWhatIsTooOld) {
   LinkRig rig;
   auto peer = rig.powered_commander();
