@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <thread>
 #include <utility>
 
 #include "arm_controller/real_time.hpp"
 #include "arm_controller/socket_can.hpp"
-#include "protocol/candump.hpp"
 #include "tools/sim/bus_hub.hpp"
+#include "tools/sim/bus_log.hpp"
 #include "tools/sim/sim_clock_server.hpp"
 #include "tools/sim/truth_file.hpp"
 #include "tools/sim/world.hpp"
@@ -39,7 +36,7 @@ struct Simulation::Impl {
   std::unique_ptr<BusHub> hub;             ///< emulated bus
   std::unique_ptr<arm::CanBus> interface;  ///< or a real one
   std::vector<int> node_ports;
-  std::ofstream log;
+  std::unique_ptr<BusLog> log;
   bool is_lost = false;
   int stalls = 0;
   Duration longest_stall{0};
@@ -78,14 +75,13 @@ Simulation::Impl::Impl(const SimulationOptions& o)
 
 void Simulation::Impl::open_log() {
   if (options.log_file.empty()) return;
-  log.open(options.log_file);
-  if (!log) throw std::runtime_error(options.log_file.string() + ": cannot be written: " + std::strerror(errno));
+  log = std::make_unique<BusLog>(options.log_file);
   if (!interface)
     bus.add_port([this](const CanFrame& frame, Time end, bool) { note(frame, end); });
 }
 
 void Simulation::Impl::note(const CanFrame& frame, Time time) {
-  if (log.is_open()) log << to_candump({time, interface ? options.can_interface : "emulated", frame, false}) << '\n';
+  if (log) log->add({time, interface ? options.can_interface : "emulated", frame, false});
 }
 
 void Simulation::Impl::attach_nodes() {
@@ -121,7 +117,7 @@ std::string Simulation::Impl::finish(const std::string& file) {
   const std::uint32_t arm = server.last_arm_controller();
   try {
     write_truth(world, file, [this, arm](Time t) { return server.to_own_ns(arm, to_ns(t)); }, server.clock().now());
-    log.flush();
+    if (log) log->flush();
     return {};
   } catch (const std::exception& error) {
     return error.what();
