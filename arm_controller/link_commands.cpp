@@ -63,9 +63,7 @@ void LinkServer::on_command(const Message& m) {
       return;
     case wire::Envelope::kHandCommand: return hand_on(m, mailboxes_.hand, e.hand_command());
     case wire::Envelope::kModelProposal: return hand_on(m, mailboxes_.proposal, e.model_proposal(), view());
-    case wire::Envelope::kRecalibrationStart:
-      mailboxes_.recalibration.put({m.tag(), e.recalibration_start().keep_covariance()});
-      return;
+    case wire::Envelope::kRecalibrationStart: return hand_on(m, mailboxes_.recalibration, e.recalibration_start());
     case wire::Envelope::kHandPose: return on_look(m);
     default: return;
   }

@@ -110,6 +110,11 @@ std::optional<Refused> read_order(const wire::HandCommand& in, HandOrder& out) {
   return std::nullopt;
 }
 
+std::optional<Refused> read_order(const wire::RecalibrationStart& in, RecalibrationOrder& out) {
+  out.keep_covariance = in.keep_covariance();
+  return std::nullopt;
+}
+
 std::optional<Refused> read_order(const wire::HandPose& in, const LinkView& view, Look& out) {
   HandPoseMeasurement& z = out.measurement;
   if (auto no = from_wire(in.hand_in_camera(), "hand_in_camera", z.T_C_H)) return no;

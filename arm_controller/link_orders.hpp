@@ -21,6 +21,7 @@ struct LinkView {
 /// Runs inverse kinematics on the model in force: milliseconds, on the link's thread.
 [[nodiscard]] std::optional<Refused> read_order(const wire::PoseGoal& in, const LinkView& view, Goal& out);
 [[nodiscard]] std::optional<Refused> read_order(const wire::HandCommand& in, HandOrder& out);
+[[nodiscard]] std::optional<Refused> read_order(const wire::RecalibrationStart& in, RecalibrationOrder& out);
 [[nodiscard]] std::optional<Refused> read_order(const wire::HandPose& in, const LinkView& view, Look& out);
 [[nodiscard]] std::optional<Refused> read_order(const wire::ModelProposal& in, const LinkView& view, Proposal& out);
 

@@ -198,6 +198,21 @@ TEST(Link, AStopBehindAPoseGoalWins) {
   EXPECT_EQ(rig.link->mode(), Mode::kHold);
 }
 
+TEST(Link, TellsWhoeverIsReplacedBeforeTheNextCycle) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  wire::Envelope start;
+  start.mutable_recalibration_start();
+  const std::uint64_t first = peer->send(start), second = peer->send(start);
+  bool is_told = false;
+  EXPECT_TRUE(rig.wait_for(*peer, [&](const wire::Envelope& e) {
+    const bool is_first = e.refusal().refused_sequence() == first;
+    is_told = is_told || (is_first && e.refusal().reason() == wire::REFUSAL_REASON_OVERFLOW);
+    return e.accepted().accepted_sequence() == second;
+  }, 20));
+  EXPECT_TRUE(is_told);
+}
+
 TEST(Link, RefusesWhatIsTooOld) {
   LinkRig rig;
   auto peer = rig.powered_commander();
