@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "protocol/config.hpp"
+
 namespace armsight::arm {
 namespace {
 
@@ -78,9 +80,10 @@ void add_timing(Builder& b, const ScriptOptions& o) {
   b.write(0x1006, 0, 4, o.period_us, StepKind::kWriteBack, OnAbort::kSkip);
   b.write(0x1016, 1, 4, (std::uint32_t{kControllerNode} << 16) | o.controller_heartbeat_ms);
   b.write(0x1017, 0, 2, o.drive_heartbeat_ms);
-  const bool is_whole_ms = o.period_us % 1000 == 0;                            // value × 10^exponent seconds
-  b.write(0x60C2, 1, 1, is_whole_ms ? o.period_us / 1000 : o.period_us / 100);
-  b.write(0x60C2, 2, 1, is_whole_ms ? 0xFD : 0xFC);
+  const auto period = interpolation_period(1e-6 * o.period_us);
+  assert(period);  // a rule of the configuration
+  b.write(0x60C2, 1, 1, period->value);
+  b.write(0x60C2, 2, 1, static_cast<std::uint8_t>(period->exponent));
 }
 
 }  // namespace

@@ -20,7 +20,14 @@ constexpr int kRoleController = 1;
 
 RobotConfig load(const Flags& flags) {
   RobotConfig robot = load_robot(flags.config);
-  if (flags.rate_hz > 0.0) robot.controller.period_s = 1.0 / flags.rate_hz;
+  if (flags.rate_hz <= 0.0) return robot;
+  double& period_s = robot.controller.period_s;
+  period_s = 1.0 / flags.rate_hz;
+  std::ostringstream where;
+  where << "--rate " << flags.rate_hz << " (" << flags.config << "): ";
+  if (const char* rule = broken_period_rule(period_s)) throw FlagError(where.str() + "the period " + rule);
+  if (const char* rule = broken_deadline_rule(robot.controller.rpdo_deadline_s, period_s))
+    throw FlagError(where.str() + "controller.rpdo_deadline_s " + rule);
   return robot;
 }
 

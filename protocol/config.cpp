@@ -107,7 +107,9 @@ MarkerConfig read_marker(const YamlValue& marker) {
 
 ControllerConfig read_controller(const YamlValue& c) {
   ControllerConfig out{};
-  out.period_s = c.key("period_s").number(0.001, 0.1);
+  const YamlValue period = c.key("period_s");
+  out.period_s = period.number(0.001, 0.1);
+  if (const char* rule = broken_period_rule(out.period_s); rule && std::isfinite(out.period_s)) period.refuse(rule);
   out.bus_bitrate_bit_s = c.key("bus_bitrate_bit_s").number(10000, 1000000);
   out.still_speed_rad_s = c.key("still_speed_rad_s").positive(1);
   out.still_time_s = c.key("still_time_s").positive(10);
@@ -115,7 +117,7 @@ ControllerConfig read_controller(const YamlValue& c) {
   out.lease_s = c.key("lease_s").number(0.02, 1);  // controller.md §11.1
   const YamlValue deadline = c.key("rpdo_deadline_s");
   out.rpdo_deadline_s = deadline.positive(1);
-  if (out.rpdo_deadline_s < 2 * out.period_s) deadline.refuse("must be at least two periods: one lost frame is no fault");
+  if (const char* rule = broken_deadline_rule(out.rpdo_deadline_s, out.period_s)) deadline.refuse(rule);
   out.heartbeat_s = c.key("heartbeat_s").number(0.02, 5);
   out.look_time_bound_s = c.key("look_time_bound_s").positive(1);
   out.look_max_speed_rad_s = c.key("look_max_speed_rad_s").positive(20);
@@ -157,6 +159,27 @@ void read_postures(const YamlValue& postures, RobotConfig& out) {
 }
 
 }  // namespace
+
+std::optional<InterpolationPeriod> interpolation_period(double period_s) {
+  constexpr double kRounding = 1e-6;
+  for (const int exponent : {-3, -4}) {
+    const double units = period_s * std::pow(10.0, -exponent);
+    const double whole = std::round(units);
+    if (whole >= 1 && whole <= 255 && std::abs(units - whole) < kRounding)
+      return InterpolationPeriod{static_cast<std::uint8_t>(whole), static_cast<std::int8_t>(exponent)};
+  }
+  return std::nullopt;
+}
+
+const char* broken_period_rule(double period_s) {
+  return interpolation_period(period_s)
+             ? nullptr
+             : "must be a whole number, 1 to 255, of 1 ms or of 0.1 ms (CANopen 0x60C2)";
+}
+
+const char* broken_deadline_rule(double rpdo_deadline_s, double period_s) {
+  return rpdo_deadline_s < 2 * period_s ? "must be at least two periods: one lost frame is no fault" : nullptr;
+}
 
 RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   const StrictYaml yaml = StrictYaml::parse(text, file_name);

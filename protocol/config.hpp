@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,6 +43,18 @@ struct ControllerConfig {
   double lease_s, rpdo_deadline_s, heartbeat_s;
   double look_time_bound_s, look_max_speed_rad_s;
 };
+
+/// 0x60C2 (CiA 402) tells a drive the period as value · 10^exponent s.
+struct InterpolationPeriod {
+  std::uint8_t value = 0;
+  std::int8_t exponent = 0;
+};
+/// nullopt: the period is no whole number, 1 … 255, of 1 ms or of 0.1 ms.
+std::optional<InterpolationPeriod> interpolation_period(double period_s);
+
+/// Rules that a changed period may break although the file kept them: the text of the one broken, or nullptr.
+const char* broken_period_rule(double period_s);
+const char* broken_deadline_rule(double rpdo_deadline_s, double period_s);
 
 struct RobotConfig {
   std::string robot;

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "arm_controller/flags.hpp"
+#include "arm_controller/program.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "arm_controller/state_folder.hpp"
 #include "tests/arm_controller/arm_rig.hpp"
@@ -43,6 +43,25 @@ TEST(Flags, RefuseWhatIsUnknownMissingOrOpenToTheNetwork) {
   EXPECT_NE(complaint({"--config", "x", "--listen", "127.0.0.1:0", "--state", "s"}).find("exactly one"),
             std::string::npos);
   EXPECT_NE(complaint({"--rate", "fast"}).find("must be a number"), std::string::npos);
+}
+
+std::string complaint_at_rate(double rate_hz) {
+  Flags flags = parse({"--config", kRobotFile, "--listen", "127.0.0.1:0", "--state", "/proc/none", "--can", "can_none"});
+  flags.rate_hz = rate_hz;
+  try {
+    Program program(flags);
+  } catch (const FlagError& e) {
+    return e.what();
+  } catch (const ConfigError&) {  // the state folder comes next: the rate was taken
+  }
+  return "";
+}
+
+TEST(Rate, KeepsTheRulesOfTheConfiguration) {
+  EXPECT_NE(complaint_at_rate(300).find("--rate 300"), std::string::npos);
+  EXPECT_NE(complaint_at_rate(300).find("whole number, 1 to 255, of 1 ms or of 0.1 ms"), std::string::npos);
+  EXPECT_NE(complaint_at_rate(50).find("rpdo_deadline_s must be at least two periods"), std::string::npos);
+  for (const double good : {100.0, 250.0, 400.0, 500.0, 1000.0}) EXPECT_EQ(complaint_at_rate(good), "");
 }
 
 TEST(SocketCan, ReportsAMissingInterfaceAndNeverFallsBack) {

@@ -63,6 +63,17 @@ TEST(RobotFile, ListsAllViolationsInTheOrderOfTheFile) {
             "robot.yaml:45:13: controller.period_s = 4: must be between 0.001 and 0.1");
 }
 
+TEST(RobotFile, RefusesAPeriodThatDrivesCannotBeTold) {
+  expect_complaint("period_s: 0.004", "period_s: 0.00333",
+                   "45:13: controller.period_s = 0.00333: must be a whole number, 1 to 255, of 1 ms or of 0.1 ms "
+                   "(CANopen 0x60C2)");
+  EXPECT_EQ(complaint(with("period_s: 0.004", "period_s: 0.0035")), "none");
+  EXPECT_EQ(interpolation_period(0.0025)->value, 25);
+  EXPECT_EQ(interpolation_period(0.0025)->exponent, -4);
+  EXPECT_EQ(interpolation_period(0.1)->value, 100);
+  EXPECT_EQ(interpolation_period(0.1)->exponent, -3);
+}
+
 TEST(RobotFile, RefusesRepeatedKeysEverywhere) {
   expect_complaint("robot: ego_right_arm", "robot: ego_right_arm\nrobot: twice",
                    "robot.yaml:4:1: robot: repeated key, first at line 3");
