@@ -8,7 +8,7 @@ constexpr int kLateLimit = 10;  // controller.md §10 no. 11
 }  // namespace
 
 Controller::Controller(const RobotConfig& robot, const StartModel& start)
-    : arm_(robot.arm), period_s_(robot.controller.period_s),
+    : arm_(robot.arm), period_s_(robot.controller.period_s), history_(seconds_to_duration(robot.controller.period_s)),
       watch_(robot.arm.joint_count(), robot.controller.still_speed_rad_s, robot.controller.still_time_s,
              robot.controller.period_s),
       motion_(robot), hand_(robot.controller.period_s), adaptation_(robot, start) {

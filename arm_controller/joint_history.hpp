@@ -17,6 +17,10 @@ class JointHistory {
  public:
   static constexpr std::size_t kCapacity = 2048;  ///< 8 s at 250 Hz, 4 s at 500 Hz
 
+  static constexpr int kLongestGap = 5;  ///< periods: two bridged samples, and some
+
+  explicit JointHistory(Duration period) noexcept : longest_gap_(kLongestGap * period) {}
+
   struct Sample {
     Time time;
     JointVector q_rad, speed_rad_s;
@@ -30,7 +34,6 @@ class JointHistory {
     if (count_ < kCapacity) ++count_;
   }
 
-  void clear() noexcept { count_ = 0; }
   std::size_t size() const noexcept { return count_; }
   /// age 0: the newest; precondition: age < size().
   const Sample& newest(std::size_t age) const noexcept { return ring_[(next_ + 2 * kCapacity - 1 - age) % kCapacity]; }
@@ -44,15 +47,14 @@ class JointHistory {
     }
     const Sample &b = newest(young), &a = newest(old);
     if (b.time == a.time) return b;
-    if (b.time - a.time > kLongestGap) return std::nullopt;
+    if (b.time - a.time > longest_gap_) return std::nullopt;
     const double s = to_seconds(t - a.time) / to_seconds(b.time - a.time);
     return Sample{t, a.q_rad + s * (b.q_rad - a.q_rad),
                   a.speed_rad_s.cwiseAbs().cwiseMax(b.speed_rad_s.cwiseAbs())};
   }
 
  private:
-  static constexpr Duration kLongestGap = std::chrono::milliseconds(20);  // two bridged samples at 250 Hz, and some
-
+  Duration longest_gap_;
   std::array<Sample, kCapacity> ring_{};
   std::size_t next_ = 0, count_ = 0;
 };

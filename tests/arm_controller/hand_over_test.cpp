@@ -14,7 +14,7 @@ JointVector one(double value) { return JointVector::Constant(5, value); }
 Time ms(std::int64_t t) { return time_from_ns(t * 1'000'000); }
 
 TEST(JointHistory, InterpolatesLinearlyBetweenSamples) {
-  auto history = std::make_unique<JointHistory>();
+  auto history = std::make_unique<JointHistory>(std::chrono::milliseconds(4));
   for (int i = 0; i < 10; ++i) history->push({ms(100 + 4 * i), one(0.1 * i), one(0.02 * i)});
   const auto at = history->at(ms(109));
   ASSERT_TRUE(at);
@@ -25,7 +25,7 @@ TEST(JointHistory, InterpolatesLinearlyBetweenSamples) {
 }
 
 TEST(JointHistory, RefusesWhatItDoesNotHold) {
-  auto history = std::make_unique<JointHistory>();
+  auto history = std::make_unique<JointHistory>(std::chrono::milliseconds(4));
   EXPECT_FALSE(history->at(ms(0)));
   for (int i = 0; i < 10; ++i) history->push({ms(100 + 4 * i), one(i), one(0)});
   EXPECT_FALSE(history->at(ms(99)));
@@ -34,8 +34,18 @@ TEST(JointHistory, RefusesWhatItDoesNotHold) {
   EXPECT_FALSE(history->at(ms(200)));  // a gap is no line
 }
 
+TEST(JointHistory, BridgesLostSamplesAtAnyRate) {
+  auto slow = std::make_unique<JointHistory>(std::chrono::milliseconds(25));
+  slow->push({ms(100), one(0), one(0)});
+  slow->push({ms(125), one(1), one(0)});
+  slow->push({ms(200), one(4), one(0)});  // two lost
+  ASSERT_TRUE(slow->at(ms(110)));
+  ASSERT_TRUE(slow->at(ms(150)));
+  EXPECT_NEAR(slow->at(ms(150))->q_rad[0], 2.0, 1e-12);
+}
+
 TEST(JointHistory, ForgetsTheOldestAndIgnoresTimeThatDoesNotRise) {
-  auto history = std::make_unique<JointHistory>();
+  auto history = std::make_unique<JointHistory>(std::chrono::milliseconds(4));
   for (int i = 0; i < 3000; ++i) history->push({ms(4 * i), one(i), one(0)});
   EXPECT_EQ(history->size(), JointHistory::kCapacity);
   EXPECT_FALSE(history->at(ms(4 * 900)));
