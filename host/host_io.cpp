@@ -1,6 +1,7 @@
 #include "host/host_io.hpp"
 
 #include <csignal>
+#include <cstdio>
 #include <utility>
 
 #include "host/text.hpp"
@@ -78,11 +79,25 @@ bool HostIo::wait_until(const std::function<bool()>& claim, Duration timeout) {
 }
 
 CommandOutcome HostIo::command(wire::Envelope message) {
+  const CommandOutcome outcome = ask(message);
+  if (outcome.is_accepted || outcome.reason != wire::REFUSAL_REASON_NO_LEASE || !has_had_lease_) return outcome;
+  wire::Envelope lease;
+  lease.mutable_lease_request();
+  const CommandOutcome lease_outcome = ask(std::move(lease));
+  if (!lease_outcome.is_accepted) return lease_outcome;
+  std::fprintf(stderr, "host: this machine held the host up until its lease ran out; the arm held, the lease is taken again\n");
+  return ask(std::move(message));
+}
+
+CommandOutcome HostIo::ask(wire::Envelope message) {
+  const bool is_lease = message.has_lease_request();
   const std::uint64_t sequence = arm_->send(std::move(message));
   if (!wait_until([&] { return arm_->outcome(sequence).has_value(); }, kAnswerTimeout)) {
     throw PeerLost("arm controller: no answer within 1 s");
   }
-  return *arm_->outcome(sequence);
+  const CommandOutcome outcome = *arm_->outcome(sequence);
+  has_had_lease_ |= is_lease && outcome.is_accepted;
+  return outcome;
 }
 
 void HostIo::demand(wire::Envelope message, const std::string& what) {

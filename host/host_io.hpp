@@ -46,7 +46,8 @@ class HostIo {
   Time now() const { return clock_->now(); }
   /// Steps until the claim holds; false after timeout.
   bool wait_until(const std::function<bool()>& claim, Duration timeout);
-  /// Sends a command and steps until it is answered; no answer within 1 s is PeerLost.
+  /// Sends a command and steps until it is answered; no answer within 1 s is PeerLost. A lease that ran out while the
+  /// machine held this program up is taken again first: the operator's order still stands.
   CommandOutcome command(wire::Envelope message);
   /// The same, but a refusal throws CommandFailed "what: reason".
   void demand(wire::Envelope message, const std::string& what);
@@ -69,11 +70,14 @@ class HostIo {
   const std::optional<Frame>& frame() const { return frame_; }
 
  private:
+  CommandOutcome ask(wire::Envelope message);
+
   const RobotConfig& robot_;
   std::unique_ptr<net::Clock> clock_;  // first in, last out: the streams count on it
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<ArmLink> arm_;
   std::optional<Frame> frame_;
+  bool has_had_lease_ = false;
 };
 
 /// Ctrl-C and SIGTERM from now on end the next step() with Interrupted, after Stop and Bye.

@@ -32,6 +32,13 @@ class RealPace : public SystemTest {
     std::ofstream(file) << text;
     return file;
   }
+
+  /// Of the latest host's words.
+  std::string line_of(const std::string& start) {
+    for (const std::string& line : arm().host_lines())
+      if (line.starts_with(start)) return line;
+    return {};
+  }
 };
 
 TEST_F(RealPace, MovesLooksStopsAndRecords) {
@@ -39,9 +46,27 @@ TEST_F(RealPace, MovesLooksStopsAndRecords) {
   conductor().start("host", arm().host_command({"move", "--joints=1.16,0.57,-1.35,0.67,-0.16", "--speed", "0.1"}));
   conductor().run_cycles(400);
   EXPECT_EQ(arm().host({"stop"}), 0) << "stop is taken from anybody";
-  conductor().end("host");
+  EXPECT_EQ(conductor().end("host"), 1) << "a move that was stopped did not arrive";
+  conductor().run_cycles(100);
   EXPECT_EQ(arm().host({"status"}), 0);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "controller/ticks.mcap"));
+  const std::string before = line_of("joints:");
+  conductor().run_cycles(100);
+  EXPECT_EQ(arm().host({"status"}), 0);
+  EXPECT_EQ(line_of("joints:"), before) << "the arm stands";
+  EXPECT_GT(std::filesystem::file_size(folder_ / "controller/ticks.mcap"), 100'000U) << "6 s of ticks";
+}
+
+TEST_F(RealPace, LearnsAndAdaptsThoughTheHostIsHeldUp) {
+  conductor().start("host", arm().host_command({"calibrate", "--looks", "6"}));
+  conductor().run_cycles(400);
+  conductor().find("host")->send_signal(SIGSTOP);  // longer than the lease of 200 ms
+  conductor().run_cycles(60);
+  conductor().find("host")->send_signal(SIGCONT);
+  for (int i = 0; i < 300 && !conductor().find("host")->exit_code(); ++i) conductor().run_cycles(50);
+  EXPECT_EQ(conductor().end("host"), 0);
+  EXPECT_EQ(arm().host({"adapt", "--looks", "3"}), 0);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "controller"))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("blackbox")) << "no fault: " << entry.path();
 }
 
 TEST_F(RealPace, StoppedHostLosesItsLease) {
@@ -51,9 +76,7 @@ TEST_F(RealPace, StoppedHostLosesItsLease) {
   conductor().find("host")->send_signal(SIGSTOP);  // the connection stays open
   conductor().run_cycles(250);
   ASSERT_EQ(arm().host({"status"}), 0);
-  bool is_holding = false;
-  for (const std::string& line : arm().host_lines()) is_holding |= line.starts_with("mode:") && line.find("hold") != std::string::npos;
-  EXPECT_TRUE(is_holding);
+  EXPECT_NE(line_of("mode:").find("hold"), std::string::npos) << line_of("mode:");
   conductor().kill("host");
 }
 
