@@ -12,6 +12,7 @@
 #include "tools/sim/bus_log.hpp"
 #include "tools/sim/sim_clock_server.hpp"
 #include "tools/sim/truth_file.hpp"
+#include "tools/sim/wakefulness.hpp"
 #include "tools/sim/world.hpp"
 
 namespace armsight::sim {
@@ -221,6 +222,7 @@ Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::
         std::this_thread::sleep_for(kCameraStep);
       }
     });
+    const Wakefulness wakefulness;
     for (const std::string& sentence : arm::become_real_time(kBusPriority))
       std::fprintf(stderr, "arm_sim: %s; the drives may stall\n", sentence.c_str());
     is_finished = impl_->run_real(is_stopping);
