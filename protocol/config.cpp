@@ -43,14 +43,18 @@ std::uint8_t read_node(const YamlValue& node, std::set<std::int64_t>& taken) {
   return static_cast<std::uint8_t>(id.value_or(0));
 }
 
-DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes) {
+/// farthest_rad: of the joint's limits. Set-points and samples travel as 32-bit counts.
+DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes, double farthest_rad) {
   DriveConfig out;
   out.node = read_node(drive.key("node"), nodes);
-  out.counts_per_turn = drive.key("counts_per_turn").positive(2147483647);
+  const YamlValue counts = drive.key("counts_per_turn");
+  out.counts_per_turn = counts.positive(2147483647);
   const YamlValue sign = drive.key("sign");
   out.sign = static_cast<int>(sign.integer(-1, 1));
   if (out.sign == 0) sign.refuse("must be 1 or -1");
   out.zero_rad = drive.key("zero_rad").number(-2 * kPi, 2 * kPi);
+  const double most_counts = (farthest_rad + std::abs(out.zero_rad)) * out.counts_per_turn / (2 * kPi);
+  if (most_counts >= 2147483648.0) counts.refuse("limits and zero_rad are beyond 32-bit counts");
   return out;
 }
 
@@ -78,8 +82,10 @@ void read_joints(const YamlValue& root, std::set<std::int64_t>& nodes, RobotConf
     const auto last = out.joint_names.end() - 1;
     if (std::find(out.joint_names.begin(), last, *last) != last) name.refuse("name is already taken");
     out.arm.chain.T_after[i] = read_link(joints[i]);
-    read_limits(joints[i], static_cast<Eigen::Index>(i), limits);
-    out.drives.push_back(read_drive(joints[i].key("drive"), nodes));
+    const auto joint = static_cast<Eigen::Index>(i);
+    read_limits(joints[i], joint, limits);
+    const double farthest_rad = std::max(std::abs(limits.min_rad[joint]), std::abs(limits.max_rad[joint]));
+    out.drives.push_back(read_drive(joints[i].key("drive"), nodes, farthest_rad));
   }
 }
 

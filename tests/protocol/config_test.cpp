@@ -74,6 +74,13 @@ TEST(RobotFile, RefusesAPeriodThatDrivesCannotBeTold) {
   EXPECT_EQ(interpolation_period(0.1)->exponent, -3);
 }
 
+TEST(RobotFile, RefusesLimitsThatAreBeyond32BitCounts) {
+  const std::string drive = "counts_per_turn: 32768, sign: 1, zero_rad: 0";
+  expect_complaint(drive, "counts_per_turn: 2147483647, sign: 1, zero_rad: -5",
+                   "15:40: joints[0].drive.counts_per_turn = 2147483647: limits and zero_rad are beyond 32-bit counts");
+  EXPECT_EQ(complaint(with(drive, "counts_per_turn: 2147483647, sign: 1, zero_rad: -4.5")), "none");
+}
+
 TEST(RobotFile, RefusesRepeatedKeysEverywhere) {
   expect_complaint("robot: ego_right_arm", "robot: ego_right_arm\nrobot: twice",
                    "robot.yaml:4:1: robot: repeated key, first at line 3");
