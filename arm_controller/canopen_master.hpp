@@ -73,7 +73,6 @@ class CanopenMaster {
 
   JointSamples samples_;
   PowerRequest power_ = PowerRequest::kOff;
-  bool checked_limits_ = false;
   std::uint8_t sync_counter_ = 0;
   bool sync_is_out_ = false;             ///< sent and not yet answered for
   Time sync_sent_{}, sync_time_{};

@@ -1,11 +1,11 @@
 // The cycle: receive → tick → send. Everything it touches was allocated before; it waits for nobody.
 #pragma once
 
-#include "arm_controller/black_box.hpp"
 #include "arm_controller/can_bus.hpp"
 #include "arm_controller/canopen_master.hpp"
 #include "arm_controller/controller.hpp"
 #include "arm_controller/statistics.hpp"
+#include "arm_controller/tick_tape.hpp"
 
 namespace armsight::arm {
 

@@ -24,7 +24,7 @@ using Job = std::variant<ModelEvent, wire::LinkRecord>;
 wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, const std::string& configuration,
                               Time now) {
   wire::RecordingInfo info;
-  info.set_program("arm_controller 0.1.0");
+  info.set_program("arm_controller " ARMSIGHT_VERSION);
   info.set_robot(robot.robot);
   info.set_model_hash(model_hash(robot));
   info.set_rate_hz(1.0 / robot.controller.period_s);

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "arm_controller/black_box.hpp"
 #include "arm_controller/messages.hpp"
+#include "arm_controller/tick_tape.hpp"
 #include "protocol/arm_link.pb.h"
 #include "protocol/config.hpp"
 

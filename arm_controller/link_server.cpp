@@ -5,7 +5,7 @@
 namespace armsight::arm {
 namespace {
 
-constexpr const char* kProgram = "arm_controller 0.1.0";
+constexpr const char* kProgram = "arm_controller " ARMSIGHT_VERSION;
 
 std::uint32_t sim_participant(std::string_view payload) {
   wire::Envelope envelope;

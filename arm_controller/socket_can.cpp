@@ -16,24 +16,12 @@
 #include <cerrno>
 #include <cstring>
 
+#include "protocol/descriptor.hpp"
+
 namespace armsight::arm {
 namespace {
 
 std::string reason() { return std::strerror(errno); }
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 template <typename T>
 void set_option(int fd, int level, int option, const T& value, const char* what) {

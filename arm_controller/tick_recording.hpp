@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "arm_controller/black_box.hpp"
+#include "arm_controller/tick_tape.hpp"
 #include "protocol/arm_link.pb.h"
 #include "protocol/recording.hpp"
 #include "protocol/recording.pb.h"

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "protocol/descriptor.hpp"
+
 namespace armsight {
 
 namespace {
@@ -16,20 +18,6 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, int error) {
   throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(error));
 }
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// 0, or errno.
 int write_all(int fd, std::string_view text) {

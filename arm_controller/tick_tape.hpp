@@ -1,5 +1,5 @@
 // What a cycle leaves behind for the file thread: state, events and raw frames through one ring, without waiting. The
-// file thread keeps the last kKeptTicks and writes them out when a fault latches (recorder).
+// file thread keeps the last kKeptTicks and writes them out when a fault latches (file_writer).
 #pragma once
 
 #include <array>
