@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <variant>
 #include <vector>
@@ -21,8 +22,7 @@ constexpr std::uint64_t kTicksPerFlush = 250;
 
 using Job = std::variant<ModelEvent, wire::LinkRecord>;
 
-wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, const std::string& configuration,
-                              Time now) {
+wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, const std::string& configuration) {
   wire::RecordingInfo info;
   info.set_program("arm_controller " ARMSIGHT_VERSION);
   info.set_robot(robot.robot);
@@ -30,7 +30,6 @@ wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, 
   info.set_rate_hz(1.0 / robot.controller.period_s);
   info.set_bus(bus);
   for (const std::string& name : robot.joint_names) info.add_joint_names(name);
-  info.set_time_ns(to_ns(now));
   info.set_configuration(configuration);
   return info;
 }
@@ -40,8 +39,7 @@ wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, 
 struct FileWriter::Impl {
   Impl(const std::filesystem::path& folder_path, const RobotConfig& robot_config, const wire::RecordingInfo& recording_info,
        Tape& cycle_tape)
-      : folder(folder_path), robot(robot_config), info(recording_info), tape(cycle_tape),
-        recording(new_recording_file(folder_path), info) {}
+      : folder(folder_path), robot(robot_config), info(recording_info), tape(cycle_tape) {}
 
   void run();
   void drain_tape();
@@ -53,7 +51,7 @@ struct FileWriter::Impl {
   RobotConfig robot;
   wire::RecordingInfo info;
   Tape& tape;
-  TickRecording recording;
+  std::optional<TickRecording> recording;
   std::deque<TickRecord> last_ticks;
   std::uint64_t ticks_written = 0, cycle = 0;
 
@@ -69,12 +67,17 @@ struct FileWriter::Impl {
 };
 
 FileWriter::FileWriter(const std::filesystem::path& state_folder, const RobotConfig& robot, const std::string& bus,
-                       const std::string& configuration, Time now, Tape& tape)
-    : impl_(std::make_unique<Impl>(state_folder, robot, make_info(robot, bus, configuration, now), tape)) {
+                       const std::string& configuration, Tape& tape)
+    : impl_(std::make_unique<Impl>(state_folder, robot, make_info(robot, bus, configuration), tape)) {}
+
+void FileWriter::begin(Time now) {
+  impl_->info.set_time_ns(to_ns(now));
+  impl_->recording.emplace(new_recording_file(impl_->folder), impl_->info);
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 
 FileWriter::~FileWriter() {
+  if (!impl_->thread.joinable()) return;
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->leaves = true;
@@ -98,7 +101,7 @@ void FileWriter::Impl::run() {
     drain_tape();
     for (const Job& job : work) {
       if (const auto* model = std::get_if<ModelEvent>(&job)) save(*model);
-      else recording.write(std::get<wire::LinkRecord>(job));
+      else recording->write(std::get<wire::LinkRecord>(job));
     }
     {
       const std::lock_guard lock(mutex);
@@ -112,10 +115,10 @@ void FileWriter::Impl::drain_tape() {
   TickRecord record;
   while (tape.ticks.pop(record)) {
     cycle = record.cycle;
-    recording.write(record);
+    recording->write(record);
     last_ticks.push_back(record);
     if (last_ticks.size() > kKeptTicks) last_ticks.pop_front();
-    if (++ticks_written % kTicksPerFlush == 0) recording.flush();
+    if (++ticks_written % kTicksPerFlush == 0) recording->flush();
   }
   Event event;
   while (tape.events.pop(event))

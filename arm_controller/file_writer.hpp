@@ -16,10 +16,12 @@ namespace armsight::arm {
 
 class FileWriter {
  public:
-  /// Creates the folder and ticks.mcap; throws ConfigError where that cannot be.
+  /// Touches nothing yet: what is posted before begin() waits.
   FileWriter(const std::filesystem::path& state_folder, const RobotConfig& robot, const std::string& bus,
-             const std::string& configuration, Time now, Tape& tape);
+             const std::string& configuration, Tape& tape);
   ~FileWriter();
+  /// Moves the last recording aside and starts a new one; throws std::runtime_error where that cannot be.
+  void begin(Time now);
 
   // Link thread only.
   void save_model(const ModelEvent& model);

@@ -60,14 +60,15 @@ std::unique_ptr<CanBus> make_bus(const Flags& flags, net::Clock& clock) {
 }  // namespace
 
 Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), robot_(load(flags)) {
-  prepare_state_folder(flags.state);
+  state_folder_ = hold_state_folder(flags.state);
   start_ = load_model_in_force(flags.state, robot_);
   clock_ = make_clock(flags, robot_);
   bus_ = make_bus(flags, *clock_);
   const bool is_emulated = flags.can.empty();
   const std::string bus = is_emulated ? "emulated" : "socketcan " + flags.can;
-  files_ = std::make_unique<FileWriter>(flags.state, robot_, bus, text_of(flags.config), clock_->now(), tape_);
+  files_ = std::make_unique<FileWriter>(flags.state, robot_, bus, text_of(flags.config), tape_);
   link_ = std::make_unique<LinkServer>(flags.listen, robot_, bus, mailboxes_, statistics_, *files_, *clock_);
+  files_->begin(clock_->now());  // an address that is taken must not push the last recording out
   loop_ = std::make_unique<ControlLoop>(robot_, start_, *bus_, mailboxes_, tape_, statistics_);
   std::printf("arm_controller: bus %s (%s, %g Mbit/s)\n", bus_->name().c_str(), is_emulated ? "emulated" : "SocketCAN",
               1e-6 * robot_.controller.bus_bitrate_bit_s);

@@ -7,6 +7,7 @@
 #include "arm_controller/control_loop.hpp"
 #include "arm_controller/flags.hpp"
 #include "arm_controller/link_server.hpp"
+#include "protocol/descriptor.hpp"
 
 namespace armsight::arm {
 
@@ -28,6 +29,7 @@ class Program {
 
   bool requires_real_time_;
   RobotConfig robot_;
+  Descriptor state_folder_;
   StartModel start_;
   std::unique_ptr<net::Clock> clock_;
   std::unique_ptr<CanBus> bus_;

@@ -1,5 +1,10 @@
 #include "arm_controller/state_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -13,11 +18,16 @@ std::filesystem::path model_path(const std::filesystem::path& folder) { return f
 
 }  // namespace
 
-void prepare_state_folder(const std::filesystem::path& folder) {
+Descriptor hold_state_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder))
     throw ConfigError("--state " + folder.string() + ": no folder can be made there: " + error.message());
+  Descriptor held(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (held.get() < 0) throw ConfigError("--state " + folder.string() + ": cannot be opened: " + std::strerror(errno));
+  if (::flock(held.get(), LOCK_EX | LOCK_NB) != 0)
+    throw ConfigError("--state " + folder.string() + ": another arm_controller works there (" + std::strerror(errno) + ")");
+  return held;
 }
 
 StartModel load_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot) {

@@ -4,11 +4,13 @@
 #include <filesystem>
 
 #include "arm_controller/adaptation.hpp"
+#include "protocol/descriptor.hpp"
 
 namespace armsight::arm {
 
-/// Creates the folder where needed; throws ConfigError with the reason.
-void prepare_state_folder(const std::filesystem::path& folder);
+/// Creates the folder where needed and holds it while the descriptor lives: two controllers would overwrite each other's
+/// model. Throws ConfigError with the reason.
+[[nodiscard]] Descriptor hold_state_folder(const std::filesystem::path& folder);
 /// The model in force, or the nominal one (camera where the hint says, no offsets, revision 0) where there is no file.
 /// Throws ConfigError on a file that is damaged or of another robot: nothing is then overwritten.
 StartModel load_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot);

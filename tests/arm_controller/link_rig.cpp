@@ -19,7 +19,8 @@ std::filesystem::path temporary_folder() {
 LinkRig::LinkRig() : folder(temporary_folder()) {
   for (int i = 1; i <= 5; ++i) bus.drive(i).position_counts = 0.1 * i / (2.0 * std::numbers::pi) * 32768.0;
   const StartModel start = load_model_in_force(folder, robot);
-  files = std::make_unique<FileWriter>(folder, robot, "emulated", "", clock.now(), tape);
+  files = std::make_unique<FileWriter>(folder, robot, "emulated", "", tape);
+  files->begin(clock.now());
   link = std::make_unique<LinkServer>("127.0.0.1:0", robot, "emulated", mailboxes, statistics, *files, clock);
   loop = std::make_unique<ControlLoop>(robot, start, bus, mailboxes, tape, statistics);
 }

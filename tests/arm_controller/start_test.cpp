@@ -1,12 +1,15 @@
 // Starting: flags, a missing interface, a damaged state folder. Nothing moves, nothing is overwritten.
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 
 #include <fstream>
 
 #include "arm_controller/program.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "arm_controller/state_folder.hpp"
+#include "protocol/transport/framed_stream.hpp"
 #include "tests/arm_controller/arm_rig.hpp"
 
 namespace armsight::arm::test {
@@ -72,6 +75,60 @@ TEST(SocketCan, ReportsAMissingInterfaceAndNeverFallsBack) {
   } catch (const BusError& e) {
     EXPECT_NE(std::string(e.what()).find("'can_none'"), std::string::npos) << e.what();
   }
+}
+
+/// A folder with a recording, and a hub that takes connections and says nothing.
+class StartPlace {
+ public:
+  StartPlace() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "arm_start_XXXXXX").string();
+    folder = ::mkdtemp(pattern.data());
+    std::ofstream(folder / "ticks.mcap") << "the last one";
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    (folder / "bus").string().copy(address.sun_path, sizeof address.sun_path - 1);
+    hub_ = Descriptor(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(::bind(hub_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(hub_.get(), 4), 0);
+  }
+  ~StartPlace() { std::filesystem::remove_all(folder); }
+
+  /// What a start complains about; empty: it began.
+  std::string start(const std::string& listen) const {
+    const std::string bus = "emulated:" + (folder / "bus").string();
+    try {
+      Program program(parse({"--config", kRobotFile, "--listen", listen.c_str(), "--state", folder.c_str(), "--bus",
+                             bus.c_str()}));
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "";
+  }
+  bool recording_is_in_place() const { return std::filesystem::file_size(folder / "ticks.mcap") == 12; }
+
+  std::filesystem::path folder;
+
+ private:
+  Descriptor hub_;
+};
+
+TEST(Start, AtATakenAddressLeavesTheLastRecordingInPlace) {
+  const StartPlace place;
+  const auto other = net::listen_tcp("127.0.0.1:0");
+  EXPECT_NE(place.start("127.0.0.1:" + std::to_string(other->port())), "");
+  EXPECT_TRUE(place.recording_is_in_place());
+  EXPECT_EQ(place.start("127.0.0.1:0"), "");
+  EXPECT_TRUE(std::filesystem::exists(place.folder / "ticks-previous.mcap"));
+}
+
+TEST(Start, OfASecondControllerInAStateFolderIsRefused) {
+  const StartPlace place;
+  {
+    const Descriptor first = hold_state_folder(place.folder);
+    EXPECT_NE(place.start("127.0.0.1:0").find("another arm_controller works there"), std::string::npos);
+    EXPECT_TRUE(place.recording_is_in_place());
+  }
+  EXPECT_EQ(place.start("127.0.0.1:0"), "");
 }
 
 TEST(StateFolder, RefusesADamagedModelAndLeavesItAsItIs) {
