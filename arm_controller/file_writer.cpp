@@ -46,6 +46,7 @@ struct FileWriter::Impl {
   void write_black_box(const FaultEvent& fault);
   void save(const ModelEvent& model);
   void post(Job job);
+  void check(const TickRecording& written, const char* what);
 
   std::filesystem::path folder;
   RobotConfig robot;
@@ -62,6 +63,7 @@ struct FileWriter::Impl {
   bool leaves = false;
   std::atomic<std::uint64_t> saved_revision{0};
   StickyFlag save_failed;
+  std::atomic<bool> recording_is_broken{false};
   std::string last_complaint;
   std::thread thread;
 };
@@ -118,7 +120,9 @@ void FileWriter::Impl::drain_tape() {
     recording->write(record);
     last_ticks.push_back(record);
     if (last_ticks.size() > kKeptTicks) last_ticks.pop_front();
-    if (++ticks_written % kTicksPerFlush == 0) recording->flush();
+    if (++ticks_written % kTicksPerFlush != 0) continue;
+    recording->flush();
+    check(*recording, "ticks.mcap");
   }
   Event event;
   while (tape.events.pop(event))
@@ -134,11 +138,19 @@ void FileWriter::Impl::write_black_box(const FaultEvent& fault) {
       box.write(record);
       box.write_frames(record);
     }
+    box.flush();
+    check(box, file.filename().c_str());
     std::fprintf(stderr, "arm_controller: fault %d: %s; last %zu cycles in %s\n", static_cast<int>(fault.fault.code),
                  fault_text(fault.fault).c_str(), last_ticks.size(), file.c_str());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "arm_controller: black box: %s\n", e.what());
   }
+}
+
+// A full disk ends a recording, not the arm; whoever relies on it must learn.
+void FileWriter::Impl::check(const TickRecording& written, const char* what) {
+  if (written.is_good() || recording_is_broken.exchange(true)) return;
+  std::fprintf(stderr, "arm_controller: %s: cannot be written to its end (disk full?)\n", (folder / what).c_str());
 }
 
 void FileWriter::Impl::save(const ModelEvent& model) {
@@ -173,6 +185,7 @@ void FileWriter::record_link(bool to_controller, const std::string& peer, const 
 }
 
 std::uint64_t FileWriter::saved_revision() const { return impl_->saved_revision.load(std::memory_order_acquire); }
+bool FileWriter::recording_is_broken() const { return impl_->recording_is_broken.load(std::memory_order_relaxed); }
 bool FileWriter::take_save_failure() { return impl_->save_failed.take(); }
 
 void FileWriter::wait_idle() {

@@ -30,6 +30,8 @@ class FileWriter {
   std::uint64_t saved_revision() const;
   /// True once for each model that could not be saved (or for several at once).
   bool take_save_failure();
+  /// A recording or a black box could not be written to its end; said once on stderr.
+  bool recording_is_broken() const;
   /// Returns when everything queued so far is done.
   void wait_idle();
 

@@ -168,6 +168,9 @@ void LinkServer::publish_statistics(Time now) {
   s.set_tick_us_p999(statistics_.tick.quantile_us(0.999));
   s.set_looks_overflowed(mailboxes_.looks.overflows());
   s.set_protocol_errors(protocol_errors_);
+  s.set_events_lost(mailboxes_.events.overflows());
+  s.set_ticks_unrecorded(statistics_.tape_overflows.load(std::memory_order_relaxed));
+  s.set_recording_is_broken(files_.recording_is_broken());
   broadcast(envelope, now);
 }
 
