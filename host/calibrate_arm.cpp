@@ -251,20 +251,4 @@ ArmCalibration calibrate_arm(const ArmModel& arm, const std::vector<LookSample>&
   return result;
 }
 
-Matrix6 look_covariance(const SerialChain& chain, const LearnedModel& model, const JointVector& q_reading,
-                        const Matrix6& R_vision, const CalibrationOptions& options) {
-  const HandEyePrediction prediction = predict_hand_eye(chain, model.T_C_B, model.beta, q_reading);
-  const auto J_q = prediction.H.rightCols(q_reading.size());
-  Matrix6 R = R_vision + options.encoder_sigma_rad * options.encoder_sigma_rad * J_q * J_q.transpose();
-  R.diagonal().head<3>().array() += options.floor_position_sigma_m * options.floor_position_sigma_m;
-  R.diagonal().tail<3>().array() += options.floor_rotation_sigma_rad * options.floor_rotation_sigma_rad;
-  return R;
-}
-
-StateMatrix information_of_look(const SerialChain& chain, const LearnedModel& model, const JointVector& q_reading,
-                                const Matrix6& R) {
-  const HandEyePrediction prediction = predict_hand_eye(chain, model.T_C_B, model.beta, q_reading);
-  return prediction.H.transpose() * R.llt().solve(prediction.H);
-}
-
 }  // namespace armsight::host

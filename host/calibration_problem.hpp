@@ -76,12 +76,4 @@ struct ArmCalibration {
 ArmCalibration calibrate_arm(const ArmModel& arm, const std::vector<LookSample>& looks,
                              const CalibrationOptions& options);
 
-/// Covariance of one look: vision + J R_q Jᵀ + floor (§5.4), in C.
-Matrix6 look_covariance(const SerialChain& chain, const LearnedModel& model, const JointVector& q_reading,
-                        const Matrix6& R_vision, const CalibrationOptions& options);
-
-/// What a look at q_reading with covariance R would add: Hᵀ R⁻¹ H over [v; w; beta]; for D-optimal choice (F-C6).
-StateMatrix information_of_look(const SerialChain& chain, const LearnedModel& model, const JointVector& q_reading,
-                                const Matrix6& R);
-
 }  // namespace armsight::host

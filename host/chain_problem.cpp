@@ -161,14 +161,8 @@ std::optional<Eigen::VectorXd> residual_only(const ChainModel& model, const Obse
 
 Eigen::MatrixXd square_root_information(const ChainModel& model, const Observation& z, const NoiseModel& noise) {
   if (z.has_corners()) return Eigen::MatrixXd::Identity(z.rows(), z.rows()) / z.sigma_px;
-  Matrix6 R = z.R_vision;
-  R.diagonal().head<3>().array() += noise.floor_position_sigma_m * noise.floor_position_sigma_m;
-  R.diagonal().tail<3>().array() += noise.floor_rotation_sigma_rad * noise.floor_rotation_sigma_rad;
-  if (noise.encoder_sigma_rad > 0.0) {
-    const PosePrediction prediction = predict_T_C_M(model, z, involved_joints(model, z.target));
-    const auto J_q = prediction.J.rightCols(prediction.J.cols() - 12);
-    R += noise.encoder_sigma_rad * noise.encoder_sigma_rad * J_q * J_q.transpose();
-  }
+  const PosePrediction prediction = predict_T_C_M(model, z, involved_joints(model, z.target));
+  const Matrix6 R = look_covariance(z.R_vision, prediction.J.rightCols(prediction.J.cols() - 12), noise);
   const Matrix6 L = R.llt().matrixL();
   return L.triangularView<Eigen::Lower>().solve(Matrix6::Identity());
 }

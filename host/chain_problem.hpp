@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "host/pinhole_projection.hpp"
-#include "shared/kinematics.hpp"
+#include "shared/hand_eye.hpp"
 
 namespace armsight::host {
 
@@ -98,11 +98,7 @@ std::optional<Residual> residual_of(const ChainModel& model, const Observation& 
 /// Without the Jacobian.
 std::optional<Eigen::VectorXd> residual_only(const ChainModel& model, const Observation& z);
 
-struct NoiseModel {
-  double encoder_sigma_rad = 0.0;   ///< per joint and look; pose observations only
-  double floor_position_sigma_m = 0.0, floor_rotation_sigma_rad = 0.0;
-};
-/// W with ‖W r‖² = rᵀ R⁻¹ r, R = R_vision + J R_q Jᵀ + floor; corners: I / sigma_px.
+/// W with ‖W r‖² = rᵀ R⁻¹ r, R = look_covariance; corners: I / sigma_px, whatever the noise model.
 Eigen::MatrixXd square_root_information(const ChainModel& model, const Observation& z, const NoiseModel& noise);
 
 /// One contiguous piece of the tangent of all unknowns that are not fixed.

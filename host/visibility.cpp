@@ -66,11 +66,8 @@ std::optional<StateMatrix> look_information(const SerialChain& chain, const Pose
   const std::optional<Matrix6> P_M = marker_covariance(view, T_C_M, side_m, noise.corner_sigma_px);
   if (!P_M) return std::nullopt;
 
-  const auto J_q = predicted.H.rightCols(q_real.size());
-  Matrix6 R = hand_covariance(T_C_M, T_H_M, *P_M);
-  R += noise.encoder_sigma_rad * noise.encoder_sigma_rad * (J_q * J_q.transpose());
-  R.diagonal().head<3>().array() += noise.floor_position_sigma_m * noise.floor_position_sigma_m;
-  R.diagonal().tail<3>().array() += noise.floor_rotation_sigma_rad * noise.floor_rotation_sigma_rad;
+  const Matrix6 R =
+      look_covariance(hand_covariance(T_C_M, T_H_M, *P_M), predicted.H.rightCols(q_real.size()), noise);
   const Eigen::LLT<Matrix6> llt(R);
   if (llt.info() != Eigen::Success) return std::nullopt;
   const MeasurementJacobian whitened = llt.matrixL().solve(predicted.H);

@@ -27,11 +27,9 @@ double marker_tilt_rad(const Pose& T_C_M);
 /// Does the marker at T_C_M satisfy the limits, all four corners inside the image less the margin?
 bool is_well_visible(const PinholeView& view, const ViewLimits& limits, const Pose& T_C_M, double side_m);
 
-struct LookNoise {
+struct LookNoise : NoiseModel {
+  LookNoise() : NoiseModel{0.00175, 0.001, 0.00524} {}
   double corner_sigma_px = 0.25;
-  double encoder_sigma_rad = 0.00175;
-  double floor_position_sigma_m = 0.001;   ///< marker mount, lens, links: never trust the corners alone (§5.4)
-  double floor_rotation_sigma_rad = 0.00524;
 };
 
 /// σ² (JᵀJ)⁻¹ of the four corners, rows position then rotation, in C; nullopt where a corner is behind the camera.

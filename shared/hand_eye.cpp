@@ -46,4 +46,14 @@ Matrix6 hand_covariance(const Pose& T_C_M, const Pose& T_H_M, const Matrix6& mar
   return G * marker_covariance * G.transpose();
 }
 
+Matrix6 look_covariance(const Matrix6& R_vision, const Eigen::Ref<const PoseColumns>& J_q, const NoiseModel& noise) {
+  Matrix6 J_J = Matrix6::Zero();
+  for (Eigen::Index i = 0; i < J_q.cols(); ++i) J_J.noalias() += J_q.col(i) * J_q.col(i).transpose();
+  Matrix6 R = 0.5 * (R_vision + R_vision.transpose());
+  R += noise.encoder_sigma_rad * noise.encoder_sigma_rad * J_J;
+  R.diagonal().head<3>().array() += noise.floor_position_sigma_m * noise.floor_position_sigma_m;
+  R.diagonal().tail<3>().array() += noise.floor_rotation_sigma_rad * noise.floor_rotation_sigma_rad;
+  return R;
+}
+
 }  // namespace armsight

@@ -39,4 +39,15 @@ CameraCorrection camera_correction(const Pose& T_C_B_old, const Pose& T_C_B_new)
 /// dp_H = dp_M − S(R_M p_M_H) ω (specification §5.4).
 Matrix6 hand_covariance(const Pose& T_C_M, const Pose& T_H_M, const Matrix6& marker_covariance);
 
+/// What makes a look worse than its corners say.
+struct NoiseModel {
+  double encoder_sigma_rad = 0.0;            ///< of one look, per joint
+  double floor_position_sigma_m = 0.0;       ///< marker mount, lens, links: never trust the corners alone
+  double floor_rotation_sigma_rad = 0.0;
+};
+
+using PoseColumns = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+/// R_k of §5.4: corners, encoders through the arm, floor. J_q: ∂[p; φ] of the pose by each joint's reading.
+Matrix6 look_covariance(const Matrix6& R_vision, const Eigen::Ref<const PoseColumns>& J_q, const NoiseModel& noise);
+
 }  // namespace armsight

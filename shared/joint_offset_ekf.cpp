@@ -142,14 +142,8 @@ bool is_usable(const HandPoseMeasurement& z, int joint_count) {
          is_rotation(z.T_C_H.R) && (!z.has_second || (is_finite(z.T_C_H_second) && is_rotation(z.T_C_H_second.R)));
 }
 
-/// R_k of §5.4: corners, encoders through the arm, and the floor for what no covariance knows.
-Matrix6 look_covariance(const Matrix6& R_vision, const MeasurementJacobian& H, const EkfOptions& options) {
-  const auto H_beta = H.rightCols(H.cols() - kErrorBeta);
-  Matrix6 R = 0.5 * (R_vision + R_vision.transpose());
-  R.noalias() += options.encoder_sigma_rad * options.encoder_sigma_rad * (H_beta * H_beta.transpose());
-  R.diagonal().head<3>().array() += options.floor_position_sigma_m * options.floor_position_sigma_m;
-  R.diagonal().tail<3>().array() += options.floor_rotation_sigma_rad * options.floor_rotation_sigma_rad;
-  return R;
+NoiseModel noise_of(const EkfOptions& options) {
+  return {options.encoder_sigma_rad, options.floor_position_sigma_m, options.floor_rotation_sigma_rad};
 }
 
 }  // namespace
@@ -189,7 +183,7 @@ FusionReport JointOffsetEkf::update(const HandPoseMeasurement& z) {
   FusionReport report;
   if (!is_usable(z, chain_.joint_count)) return report;
   const HandEyePrediction before = predict_hand_eye(chain_, model_.T_C_B, model_.beta, z.q);
-  const Matrix6 R = look_covariance(z.R_vision, before.H, options_);
+  const Matrix6 R = look_covariance(z.R_vision, before.H.rightCols(chain_.joint_count), noise_of(options_));
   const Problem problem{chain_, model_, P_, z.q, R, Eigen::LLT<Matrix6>(R)};
   report.outcome = FusionOutcome::kIllConditioned;
   if (problem.R_llt.info() != Eigen::Success) return report;

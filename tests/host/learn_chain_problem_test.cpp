@@ -78,6 +78,33 @@ TEST(ChainProblem, ItsJacobiansAgreeWithDifferences) {
   }
 }
 
+// One measurement model for batch and filter, written twice: they must not drift apart.
+TEST(ChainProblem, PredictsTheDefaultArmAsTheFilterDoes) {
+  const ArmModel arm = test::default_arm();
+  std::mt19937 random(3);
+  ChainModel model;
+  model.chains.push_back({"arm", arm.chain, {0, 1, 2, 3, 4}, false});
+  model.T_C_a.value = test::default_T_C_B();
+  ProblemTarget hand;
+  hand.chain = 0;
+  hand.T_b_M.value = arm.T_H_M;
+  model.targets.push_back(hand);
+  const JointVector beta = test::random_between(JointVector::Constant(5, -0.1), JointVector::Constant(5, 0.1), random);
+  for (int j = 0; j < 5; ++j) model.offsets.push_back({"", beta[j], Freedom::kFree, 0.0, 0.0});
+  for (int k = 0; k < 20; ++k) {
+    Observation z;
+    z.q = test::random_between(arm.limits.min_rad, arm.limits.max_rad, random);
+    const HandEyePrediction filter = predict_hand_eye(arm.chain, model.T_C_a.value, beta, JointVector(z.q));
+    const Pose T_C_M = filter.T_C_H * arm.T_H_M;
+    EXPECT_LT(pose_error(predicted_T_C_M(model, z), T_C_M).norm(), 1e-12);
+    model.targets[0].T_b_M.value = {};
+    const PosePrediction batch = predict_T_C_M(model, z, involved_joints(model, 0));
+    EXPECT_LT((batch.J.leftCols<6>() - filter.H.leftCols<6>()).norm(), 1e-12);
+    EXPECT_LT((batch.J.rightCols<5>() - filter.H.rightCols<5>()).norm(), 1e-12);
+    model.targets[0].T_b_M.value = arm.T_H_M;
+  }
+}
+
 TEST(ChainProblem, TheSolversCostFunctionsAgreeWithItsOwnGradientChecker) {
   std::mt19937 random(2);
   ChainModel model = two_chain_model(random);

@@ -143,5 +143,27 @@ TEST(HandEye, CovarianceOfTheHandIsThatOfItsSamples) {
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.05);
 }
 
+TEST(HandEye, CovarianceOfALookIsThatOfItsSamples) {
+  const SerialChain chain = default_arm().chain;
+  const NoiseModel noise{0.002, 0.001, 0.005};
+  const HandEyePrediction at = predict_hand_eye(chain, default_T_C_B(), kBeta, kReading);
+  const Matrix6 R_vision = 1e-7 * Matrix6::Identity();
+  const Matrix6 claimed = look_covariance(R_vision, at.H.rightCols(chain.joint_count), noise);
+  std::mt19937 random(10);
+  std::normal_distribution<double> normal;
+  Matrix6 sampled = R_vision;
+  sampled.diagonal() += (Vector6() << 1e-6, 1e-6, 1e-6, 25e-6, 25e-6, 25e-6).finished();
+  constexpr int kSamples = 20000;
+  for (int k = 0; k < kSamples; ++k) {
+    JointVector q = kReading;
+    for (Eigen::Index i = 0; i < q.size(); ++i) q[i] += noise.encoder_sigma_rad * normal(random);
+    const Vector6 e = pose_error(predict_T_C_H(chain, default_T_C_B(), kBeta, q), at.T_C_H);
+    sampled += e * e.transpose() / kSamples;
+  }
+  const Vector6 scale = claimed.diagonal().cwiseSqrt();
+  const Matrix6 difference = scale.cwiseInverse().asDiagonal() * (claimed - sampled) * scale.cwiseInverse().asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.03);
+}
+
 }  // namespace
 }  // namespace armsight
