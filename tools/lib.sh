@@ -41,7 +41,7 @@ ensure_packages() {
 
   local as_root=()
   if [[ $(id -u) -ne 0 ]]; then
-    if command -v sudo >/dev/null; then
+    if command -v sudo >/dev/null && sudo env true; then  # sudo may be there and not be ours to use
       as_root=(sudo)
     else
       printf '%s: packages are missing; as root, run:\n' "$program" >&2
@@ -74,8 +74,9 @@ build() {
   local preset=$1; shift
   local tree="$repository/build/$preset" launcher=()
   command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  export CCACHE_SLOPPINESS=pch_defines,time_macros  # without it ccache leaves out whatever uses a precompiled header
   mkdir -p "$tree"
-  if [[ ! -f $tree/build.ninja ]]; then
+  if [[ ! -f $tree/build.ninja || $repository/CMakePresets.json -nt $tree/build.ninja ]]; then
     say "configuring build/$preset"
     (cd "$repository" && cmake --preset "$preset" "${launcher[@]}") >"$tree/configure.log" 2>&1 ||
       { tail -n 20 "$tree/configure.log" >&2; fail 1 "configuring failed; everything it said: build/$preset/configure.log"; }

@@ -8,7 +8,6 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kLookSigma_px = 0.187;  // five frames of 0.25 px and a bias of 0.15 px (§7.1 nominal)
 constexpr double kEncoderSigma = 0.102 * kDegree;
 

@@ -11,8 +11,6 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-
 const CandidateResult& candidate(const DatasetCalibration& result, const std::string& name) {
   for (const auto& c : result.candidates) {
     if (c.name == name) return c;
