@@ -1,7 +1,8 @@
 #include "tools/sim/arm_sim_flags.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
+
+#include "host/parse_flags.hpp"
 
 namespace armsight::sim {
 
@@ -38,11 +39,7 @@ std::optional<int> parse_flags(int argc, char** argv, ArmSimFlags& flags) {
       ->check(CLI::IsMember({"near", "anywhere"}));
   app.add_option("--rate", flags.rate_hz, "cycles a second, instead of the robot file's")->check(CLI::Range(1.0, 2000.0));
   app.add_option("--log", flags.log_file, "write the bus' traffic there as candump -L text");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto code = host::parse_flags(app, argc, argv)) return code;
   flags.noise = *noise_set_from_text(noise);
   flags.mount = mount == "near" ? CameraMount::kNear : CameraMount::kAnywhere;
   const std::string violation = take_bus_and_pace(bus, pace, flags);
