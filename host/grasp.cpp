@@ -35,6 +35,7 @@ class Grasp {
   GraspChoice choose();
   void drive(const IkSolution& posture, const std::string& what);
   void close_hand(const GraspChoice& choice);
+  void picture_closed();
   void note_end();
   [[noreturn]] void refuse(const std::string& why);
 
@@ -143,9 +144,19 @@ void Grasp::close_hand(const GraspChoice& choice) {
   record.verdict = to_text(verdict);
   record.why = "fingers at " + fixed(100 * hand.closure, 0) + " % with " + fixed(hand.effort_permille / 10, 0) + " % of their force";
   progress_ << "hand: " << record.verdict << ": " << record.why << std::endl;
+  picture_closed();
   if (verdict == GraspVerdict::kGrasped) return;
   move_hand(io_, 0.0, kOpenForce_permille);
   (void)drive_to(io_, choice.at_pregrasp.q);  // back the way it came; the verdict stands whatever becomes of it
+}
+
+// What the camera saw of the verdict, for people: it decides nothing.
+void Grasp::picture_closed() {
+  Looker looker(io_, io_.robot().hand_marker, io_.robot().arm.T_H_M);
+  const LearnedModel& model = record.model;
+  const Pose predicted = predict_T_C_H(io_.robot().arm.chain, model.T_C_B, model.beta, record.q_reading);
+  const LookTaken taken = looker.look(1, predicted);
+  record.image_closed = files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"act: hand closed: " + record.verdict, record.why}));
 }
 
 }  // namespace

@@ -58,6 +58,7 @@ struct GraspRecord {
   std::string why;
   double hand_closure = 0.0, hand_effort_permille = 0.0;
   std::vector<std::string> images;
+  std::string image_closed;      ///< of these: after the hand closed; empty where it did not
 };
 std::string to_json(const GraspRecord& record);
 

@@ -39,6 +39,7 @@ class Session {
   GraspResult grasp(const std::string& kept_as);
   void read_status();
   void keep_images(const std::vector<std::string>& names, const std::string& caption, std::size_t most);
+  void keep_grasp_images(const GraspResult& grasp, const std::string& caption);
   fs::path results() const { return arm_.run_dir() / "results"; }
   void describe();
 
@@ -118,6 +119,13 @@ void Session::keep_images(const std::vector<std::string>& names, const std::stri
   }
 }
 
+void Session::keep_grasp_images(const GraspResult& grasp, const std::string& caption) {
+  std::vector<std::string> seen = grasp.images;
+  std::erase(seen, grasp.image_closed);
+  keep_images(seen, caption + "the object as seen, view", 2);
+  keep_images({grasp.image_closed}, caption + "the hand closed, view", 1);
+}
+
 void Session::describe() {
   report_.seed = options_.seed;
   report_.noise = options_.noise;
@@ -150,7 +158,7 @@ Report Session::run() {
   phase("commanded poses without filter", [&] { without = moves("move-without"); });
   phase("Act: grasp without filter", [&] {
     report_.grasp_without = grasp("grasp-without");
-    keep_images(report_.grasp_without.images, "Act: without filter, the object as seen, view", 2);
+    keep_grasp_images(report_.grasp_without, "Act: without filter, ");
     must(verb({"hand", "open"}, "", ""), "the hand did not open");
   });
   phase("Adapt: looks and filter", [&] {
@@ -163,7 +171,7 @@ Report Session::run() {
   phase("commanded poses with filter", [&] { with = moves("move-with"); });
   phase("Act: grasp with filter", [&] {
     report_.grasp_with = grasp("grasp-with");
-    keep_images(report_.grasp_with.images, "Act: with filter, the object as seen, view", 2);
+    keep_grasp_images(report_.grasp_with, "Act: with filter, ");
   });
   phase("the controller's statistics", [&] { read_status(); });
   evaluate(report_, arm_.finish(), without, with, robot_, experiment_);

@@ -163,6 +163,7 @@ GraspResult load_grasp(const std::filesystem::path& file) {
     r.verdict = j.at("verdict");
     r.why = j.value("why", "");
     r.images = texts_from(j.value("images", json::array()));
+    r.image_closed = j.value("image_closed", "");
     r.candidate = j.value("candidate", "");
     r.status = j.value("status", "");
     if (r.verdict == "refused") return r;  // there may be no goal to tell of

@@ -61,6 +61,7 @@ struct GraspResult {
   JointVector q_reading;
   double hand_closure = 0, hand_effort_permille = 0;
   std::vector<std::string> images;
+  std::string image_closed;  ///< of these: after the hand closed; empty where it did not
 };
 
 struct TruthRow {
