@@ -1,6 +1,7 @@
 #include "host/learn_files.hpp"
 
 #include <cstdio>
+#include <ctime>
 #include <system_error>
 
 #include "host/dataset.hpp"
@@ -16,6 +17,16 @@ constexpr const char* kRobotFile = "robot.yaml";
 std::string exact(double value) {
   char text[40];
   std::snprintf(text, sizeof text, ",%.17g", value);
+  return text;
+}
+
+/// ISO 8601, UTC, by the wall clock whatever the pace: the file tells people when it was made; nothing reads it back.
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;
 }
 
@@ -55,6 +66,7 @@ void save_calibration(const std::filesystem::path& file, const RobotConfig& robo
   out.model = model;
   out.covariance = calibration.covariance;
   out.source = "calibration";
+  out.date = date_now();
   out.report = {{"heldout_rms_mm", calibration.heldout.rms_mm}, {"heldout_rms_deg", calibration.heldout.rms_deg},
                 {"training_rms_mm", calibration.training.rms_mm}, {"training_rms_deg", calibration.training.rms_deg},
                 {"looks", static_cast<double>(calibration.looks.size())}};
