@@ -86,8 +86,10 @@ void LinkServer::publish_event(const Event& event, Time now) {
   if (const auto* model = std::get_if<ModelEvent>(&event)) {
     const bool is_new = model->source == ModelSource::kCalibration || model->source == ModelSource::kFilter;
     if (!is_new) loaded_revision_ = model->model.revision;
-    if (is_new) files_.save_model(*model);
-    if (is_new) unsaved_ = *model;
+    if (is_new) {
+      files_.save_model(*model);
+      unsaved_ = *model;
+    }
   }
   hold_or_tell(event, now);
 }

@@ -1,4 +1,5 @@
-// What the operating system can give a loop at the drives' rate: locked memory and a real-time priority. Tried, reported, not assumed.
+// What the operating system can give a loop at the drives' rate: locked memory and a real-time priority. Tried, reported,
+// not assumed.
 #pragma once
 
 #include <string>
