@@ -8,7 +8,7 @@
 
 #include "host/camera.hpp"
 #include "protocol/config_error.hpp"
-#include "tests/sim/temporary_folder.hpp"
+#include "tools/temporary_folder.hpp"
 
 namespace armsight::host {
 namespace {
@@ -59,7 +59,7 @@ distortion_coefficients: !!opencv-matrix
 )";
 
 struct VisionFiles : ::testing::Test {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   HandClock clock;
 
   std::string write(const std::string& name, const std::string& text) {

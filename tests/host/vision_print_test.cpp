@@ -10,7 +10,7 @@
 #include "host/marker_print.hpp"
 #include "host/overlay.hpp"
 #include "protocol/config_error.hpp"
-#include "tests/sim/temporary_folder.hpp"
+#include "tools/temporary_folder.hpp"
 
 namespace armsight::host {
 namespace {
@@ -97,7 +97,7 @@ TEST(MarkerPrint, ImpossibleMarkersAreRefused) {
 }
 
 TEST(MarkerPrint, FilesHoldWhatWasLaidOut) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const char* name : {"m.svg", "m.pdf"}) {
     save_marker_print({"DICT_4X4_50", 7, 0.05}, folder.file(name));
     std::stringstream text;
@@ -117,7 +117,7 @@ TEST(OverlayPicture, DrawsOnACopyAndIsSaved) {
   EXPECT_EQ(drawn.type(), CV_8UC3);
   EXPECT_NE(drawn.at<cv::Vec3b>(100, 120), cv::Vec3b(90, 90, 90));
   EXPECT_EQ(drawn.at<cv::Vec3b>(220, 300), cv::Vec3b(90, 90, 90));
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   save_image(folder.file("deep/er/look.jpg"), drawn);
   EXPECT_GT(std::filesystem::file_size(folder.file("deep/er/look.jpg")), 1000U);
   EXPECT_THROW(save_image(folder.file("look.unknown"), drawn), std::runtime_error);

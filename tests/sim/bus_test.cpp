@@ -1,10 +1,13 @@
 // The emulated bus: who wins, how long a frame takes, what fits, and the socket that programs join by.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "arm_controller/emulated_bus.hpp"
-#include "tests/sim/temporary_folder.hpp"
 #include "tools/sim/bus_hub.hpp"
+#include "tools/sim/bus_log.hpp"
 #include "tools/sim/in_process_bus.hpp"
+#include "tools/temporary_folder.hpp"
 
 namespace armsight::sim {
 namespace {
@@ -99,7 +102,7 @@ TEST(Bus, CarriesSixNodesAt250And500HzAndFailsAt1000) {
 }
 
 TEST(BusHub, JoinsProgramsAndObserversAtRealPace) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   BusModel bus(1e6);
   ServerClock clock(false);
   BusHub hub(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
@@ -123,7 +126,7 @@ TEST(BusHub, JoinsProgramsAndObserversAtRealPace) {
 }
 
 TEST(BusHub, TellsTheSenderWhoseQueueIsFull) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   BusModel bus(1e6, 2);
   ServerClock clock(false);
   BusHub hub(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
@@ -137,7 +140,7 @@ TEST(BusHub, TellsTheSenderWhoseQueueIsFull) {
 }
 
 TEST(BusHub, AProgramLosesTheBusWithItsHub) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   BusModel bus(1e6);
   ServerClock clock(false);
   auto hub = std::make_unique<BusHub>(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
@@ -150,6 +153,35 @@ TEST(BusHub, AProgramLosesTheBusWithItsHub) {
   EXPECT_TRUE(program->take_errors().lost);
   EXPECT_EQ(program->send(frame_of(0x201)), arm::SendResult::kBusDown);
   EXPECT_THROW(arm::join_emulated_bus(folder.file("bus"), *own), std::runtime_error);
+}
+
+TEST(BusLog, HoldsEveryFrameInOrderAfterFlushAndAfterTheEnd) {
+  constexpr std::uint32_t kFrames = 5000;
+  const TemporaryFolder folder;
+  const auto frames_in_file = [&folder] {
+    std::ifstream in(folder.file("bus.log"));
+    std::uint32_t count = 0;
+    for (std::string text; std::getline(in, text); ++count) {
+      const auto line = parse_candump(text).line;
+      if (!line || line->frame.id != count % 0x700) ADD_FAILURE() << "line " << count << ": " << text;
+    }
+    return count;
+  };
+  {
+    BusLog log(folder.file("bus.log"));
+    for (std::uint32_t i = 0; i < kFrames; ++i) log.add({time_from_ns(1'000'000 * i), "emulated", frame_of(i % 0x700), false});
+    log.flush();
+    EXPECT_EQ(frames_in_file(), kFrames);
+    log.add({time_from_ns(1'000'000LL * kFrames), "emulated", frame_of(kFrames % 0x700), false});
+  }
+  EXPECT_EQ(frames_in_file(), kFrames + 1);
+}
+
+TEST(BusLog, SaysWhatItCannotWrite) {
+  EXPECT_THROW(BusLog("/no such folder/bus.log"), std::runtime_error);
+  BusLog full("/dev/full");
+  full.add({time_from_ns(0), "emulated", frame_of(1), false});
+  EXPECT_THROW(full.flush(), std::runtime_error);
 }
 
 }  // namespace

@@ -81,6 +81,16 @@ TEST_F(Drive, AMissedDeadlineMakesItQuickStopAndHoldPowered) {
   EXPECT_EQ(decode_emcy(bench.sent.back(), 3)->code, 0x8250);
 }
 
+TEST_F(Drive, AStallOfTheSimulatorIsNoSilenceOfTheController) {
+  bench.enable();
+  bench.cycle(kEnableOperation, 1000);
+  bench.drive.excuse(14ms);
+  bench.advance(29ms);
+  EXPECT_EQ(bench.drive.state(), kOperationEnabled) << "33 ms after the last set-point, of which 14 do not count";
+  bench.advance(2ms);
+  EXPECT_EQ(bench.drive.state(), kQuickStopActive) << "the rest counts";
+}
+
 TEST_F(Drive, ALateControllerMustReleaseBeforeItMovesAgain) {
   bench.enable();
   bench.advance(30ms);

@@ -7,8 +7,8 @@
 
 #include "protocol/transport/framed_stream.hpp"
 #include "protocol/transport/sim_clock.hpp"
-#include "tests/sim/temporary_folder.hpp"
 #include "tools/sim/sim_clock_server.hpp"
+#include "tools/temporary_folder.hpp"
 
 namespace armsight {
 namespace {
@@ -58,7 +58,7 @@ std::uint32_t id_in(std::string_view payload) { return static_cast<std::uint32_t
 
 /// Two programs that answer each other; every sleep differs from run to run, the log must not.
 std::string exchange(unsigned sleep_seed, std::uint64_t seed) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   TimeServer time(folder.file("clock"), seed);
   const auto conductor = net::join_as_conductor(folder.file("clock"), "test", kPeriod);
   std::string controller_log, host_log;
@@ -113,7 +113,7 @@ TEST(Lockstep, GivesTheSameRunWhateverTheMachineDoes) {
 }
 
 TEST(Lockstep, MessagesActInTheNextCycleWithArrivalsInsideTheOneBefore) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   TimeServer time(folder.file("clock"));
   const auto a = net::join_sim_clock(folder.file("clock"), "a", kController, kPeriod);
   std::unique_ptr<net::Clock> b;
@@ -134,7 +134,7 @@ TEST(Lockstep, MessagesActInTheNextCycleWithArrivalsInsideTheOneBefore) {
 }
 
 TEST(Lockstep, DropsAParticipantWhoseConnectionBreaks) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   TimeServer time(folder.file("clock"));
   const auto a = net::join_sim_clock(folder.file("clock"), "a", kHost, kPeriod);
   auto clock = net::make_monotonic_clock(1ms);
@@ -156,7 +156,7 @@ TEST(Lockstep, DropsAParticipantWhoseConnectionBreaks) {
 }
 
 TEST(Lockstep, TimeStandsWhileNobodyTakesPart) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   TimeServer time(folder.file("clock"));
   std::this_thread::sleep_for(20ms);
   EXPECT_EQ(time.cycles(), 0u);
@@ -170,7 +170,7 @@ TEST(Lockstep, TimeStandsWhileNobodyTakesPart) {
 }
 
 TEST(Lockstep, TakesTheConductorsWishes) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   TimeServer time(folder.file("clock"));
   const auto conductor = net::join_as_conductor(folder.file("clock"), "demo", kPeriod);
   conductor->inject_drift();
@@ -180,7 +180,7 @@ TEST(Lockstep, TakesTheConductorsWishes) {
 }
 
 TEST(Lockstep, RefusesAControllerOfAnotherRate) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   TimeServer time(folder.file("clock"));
   EXPECT_THROW(net::join_sim_clock(folder.file("clock"), "c", kController, 2ms), std::runtime_error);
   EXPECT_THROW(net::join_sim_clock(folder.file("nobody"), "c", kController, kPeriod), std::runtime_error);

@@ -5,7 +5,7 @@
 
 #include <sys/socket.h>
 
-#include "tests/sim/temporary_folder.hpp"
+#include "tools/temporary_folder.hpp"
 
 namespace armsight::net {
 namespace {
@@ -120,7 +120,7 @@ TEST_F(Transport, NamesAnAddressThatNobodyServes) {
 }
 
 TEST(Listener, TakesOverAStaleSocketFileButNoOtherFile) {
-  test::TemporaryFolder folder;
+  TemporaryFolder folder;
   const std::string path = folder.file("clock");
   listen_unix(path).reset();
   EXPECT_NO_THROW(listen_unix(path));

@@ -4,6 +4,7 @@
 
 #include "tools/report/conductor.hpp"
 #include "tools/report/report.hpp"
+#include "tools/temporary_folder.hpp"
 
 namespace armsight::demo {
 
@@ -21,19 +22,6 @@ class RunFailed : public std::runtime_error {
  public:
   RunFailed(const std::string& what, int code) : std::runtime_error(what), exit_code(code) {}
   int exit_code;
-};
-
-/// A new folder among the system's temporary ones, gone with this.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// The simulated robot and its controller, running.

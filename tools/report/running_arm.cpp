@@ -32,17 +32,6 @@ fs::path prepared(const fs::path& run_dir) {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string path = (fs::temp_directory_path() / "armsight-XXXXXX").string();
-  if (mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
-  path_ = path;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
 RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool is_verbose)
     : options_(options),
       run_dir_(prepared(fs::absolute(run_dir))),
