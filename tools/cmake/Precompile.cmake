@@ -23,34 +23,19 @@ function(armsight_reuse target owner)
   endif()
 endfunction()
 
-# Every program and library in the folders below `directory` takes the headers of armsight_core, and where it has a command
-# line to read those of the program host; but for the generated schemas (no Eigen) and the renderer (its own flags).
+# Every program and library in the folders below `directory` takes the headers of armsight_core, but for the generated
+# schemas (no Eigen) and the renderer (its own flags).
 function(armsight_reuse_below directory)
   get_property(rooms DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
   foreach(room ${rooms})
     get_property(targets DIRECTORY ${room} PROPERTY BUILDSYSTEM_TARGETS)
-    list(REMOVE_ITEM targets armsight_core host armsight_schemas armsight_sim_render)
+    list(REMOVE_ITEM targets armsight_core armsight_schemas armsight_sim_render)
     foreach(target ${targets})
       get_target_property(type ${target} TYPE)
-      get_target_property(libraries ${target} LINK_LIBRARIES)
-      if(NOT type MATCHES "STATIC_LIBRARY|EXECUTABLE")
-        continue()
-      endif()
-      if("CLI11::CLI11" IN_LIST libraries)
-        armsight_reuse(${target} host)
-      else()
+      if(type MATCHES "STATIC_LIBRARY|EXECUTABLE")
         armsight_reuse(${target} armsight_core)
       endif()
     endforeach()
     armsight_reuse_below(${room})
   endforeach()
-endfunction()
-
-# armsight_precompile_rooms(): to be called once, after all rooms but the tests.
-function(armsight_precompile_rooms)
-  armsight_precompile(armsight_core ${ARMSIGHT_COMMON_HEADERS})
-  if(TARGET host)
-    armsight_precompile(host <CLI/CLI.hpp> ${ARMSIGHT_COMMON_HEADERS})
-  endif()
-  armsight_reuse_below(${CMAKE_SOURCE_DIR})
 endfunction()
