@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/box_qp.hpp"
+#include "shared/swivel_ik.hpp"
 
 namespace armsight {
 namespace {
@@ -150,6 +151,9 @@ std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& 
   if (!is_well_posed(chain, min_rad, max_rad, T_B_G, seed)) return std::nullopt;
   if (T_B_G.p.norm() > reach_m(chain) + options.position_tolerance_m) return std::nullopt;
   const JointVector margin = (0.25 * (max_rad - min_rad)).cwiseMin(options.limit_margin_rad);
+  if (const auto arm = swivel_arm(chain)) {
+    return solve_swivel_ik(chain, *arm, min_rad + margin, max_rad - margin, T_B_G, seed, options.position_tolerance_m);
+  }
   const Task task{chain, T_B_G, min_rad + margin, max_rad - margin, options.max_evaluations};
   std::vector<IkSolution> found;
   double least = std::numeric_limits<double>::infinity();

@@ -1,5 +1,6 @@
 // Which posture brings the hand there? Position exact, orientation as near as the joints allow, limits kept.
-// Damped least squares from several starts; the answer carries its own certificate, computed by forward kinematics.
+// Closed form where the arm's geometry allows it (swivel_ik), else damped least squares from several starts; the answer
+// carries its own certificate, computed by forward kinematics.
 #pragma once
 
 #include <optional>
@@ -21,11 +22,11 @@ struct IkSolution {
   JointVector q;                    ///< real angles, inside the limits
   double position_error_m = 0.0;    ///< certificate, from forward kinematics
   double orientation_error_rad = 0.0;
-  int evaluations = 0;              ///< spent on the whole search
+  int evaluations = 0;              ///< of the kinematics in a search, or postures tried in closed form
 };
 
 /// Best posture for T_B_G: nullopt when no start reaches the position inside [min, max] (limits of real angles).
-/// Among the postures found: least orientation error, then nearest to `seed`. Deterministic.
+/// Among the postures found (in closed form: among all there are): least orientation error, then nearest to `seed`. Deterministic.
 std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& min_rad, const JointVector& max_rad,
                                    const Pose& T_B_G, const JointVector& seed, const IkOptions& options = {});
 

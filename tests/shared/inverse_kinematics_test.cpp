@@ -54,7 +54,8 @@ TEST(InverseKinematics, KeepsClearOfTheLimitsAtTheCostOfTheMarginAlone) {
   EXPECT_GE(solved_share(default_robot(), 1000, 0.02, {}), 0.99);
 }
 
-TEST(InverseKinematics, SolvesReachablePosesOfSixAndSevenJoints) {
+TEST(InverseKinematics, SolvesReachablePosesOfFiveToSevenJointsOfAnyShape) {
+  EXPECT_GE(solved_share(general_robot(5), 300, 1e-4, {.limit_margin_rad = 0.0}), 0.99);
   EXPECT_GE(solved_share(general_robot(6), 300, 1e-4, {.limit_margin_rad = 0.0}), 0.99);
   EXPECT_GE(solved_share(general_robot(7), 300, 1e-4, {.limit_margin_rad = 0.0}), 0.99);
 }
@@ -70,26 +71,6 @@ TEST(InverseKinematics, KeepsThePositionWhereTheOrientationCannotBeMet) {
     ASSERT_TRUE(solution);
     EXPECT_LE(solution->position_error_m, 1e-9);
     EXPECT_LE(solution->orientation_error_rad, 20.0 / 180.0 * std::numbers::pi + 1e-6);  // q itself has 20°
-  }
-}
-
-TEST(InverseKinematics, ResidualOrientationIsTheLeastASwivelSearchFinds) {
-  // The default arm's postures of one hand position: elbow angle from |p|, then one swivel and q5 are free.
-  const Robot robot = default_robot();
-  std::mt19937 random(7);
-  for (int k = 0; k < 10; ++k) {
-    const JointVector q = random_between(robot.min, robot.max, random);
-    Pose goal = forward_kinematics(robot.chain, q);
-    goal.R = so3_exp(0.35 * random_vector(1.0, random).normalized()) * goal.R;
-    const auto solution = solve_ik(robot.chain, robot.min, robot.max, goal, q, {.limit_margin_rad = 0.0});
-    ASSERT_TRUE(solution);
-    for (int other = 0; other < 2000; ++other) {
-      JointVector start = random_between(robot.min, robot.max, random);
-      start[3] = q[3];
-      IkOptions position_only{.orientation_weight_m = 1e-9, .starts = 1, .iterations = 1, .limit_margin_rad = 0.0};
-      const auto posture = solve_ik(robot.chain, robot.min, robot.max, goal, start, position_only);
-      EXPECT_TRUE(!posture || posture->orientation_error_rad >= solution->orientation_error_rad - 1e-4);
-    }
   }
 }
 
