@@ -105,6 +105,26 @@ LearnedModel disturbed_model(const TrueRobot& truth, double position_sigma_m, do
   return apply_error_state({1, truth.T_C_B, truth.beta}, x);
 }
 
+EkfOptions scaled_options(double scale) {
+  EkfOptions options;
+  options.prior_position_sigma_m = 0.03 * scale;
+  options.prior_rotation_sigma_rad = 4.0 * kDegree * scale;
+  options.prior_beta_sigma_rad = 3.0 * kDegree * scale;
+  return options;
+}
+
+LearnedModel disturbed_by(const TrueRobot& truth, const EkfOptions& prior, std::mt19937& random) {
+  return disturbed_model(truth, prior.prior_position_sigma_m, prior.prior_rotation_sigma_rad,
+                         prior.prior_beta_sigma_rad, prior.prior_beta1_sigma_rad, random);
+}
+
+StateVector gauge_direction() {
+  StateVector g = StateVector::Zero(11);
+  g[kErrorW + 2] = 1.0;
+  g[kErrorBeta] = -1.0;
+  return g;
+}
+
 JointVector random_visible_posture(const TrueRobot& truth, std::mt19937& random) {
   while (true) {
     const JointVector q = random_within(truth.arm.limits, random);
@@ -131,6 +151,12 @@ HandPoseMeasurement look_at(const TrueRobot& truth, const JointVector& q_real, c
   z.R_vision = hand_covariance(first, truth.arm.T_H_M, marker_covariance);
   z.q = q_real - truth.beta;
   for (Eigen::Index i = 0; i < z.q.size(); ++i) z.q[i] += noise.encoder_sigma_rad * normal(random);
+  if (noise.floor_position_sigma_m > 0.0 || noise.floor_rotation_sigma_rad > 0.0) {
+    const Vector3 shift = random_vector(noise.floor_position_sigma_m, random);
+    const Matrix3 turn = so3_exp(random_vector(noise.floor_rotation_sigma_rad, random));
+    z.T_C_H = {turn * z.T_C_H.R, z.T_C_H.p + shift};
+    z.T_C_H_second = {turn * z.T_C_H_second.R, z.T_C_H_second.p + shift};
+  }
   return z;
 }
 
