@@ -58,11 +58,11 @@ int conclude(const Report& r, const DemoOptions& options) {
     std::printf("%s%s\n", result->why.empty() ? "" : ": ", result->why.c_str());
   }
   std::printf("demo: report: %s\n", (options.report_dir / "report.html").c_str());
-  if (!r.with_grasp.is_success) {
-    std::fprintf(stderr, "demo: the grasp with filter did not succeed\n");
-    return 1;
+  for (const std::string& name : r.controller.black_boxes) {
+    std::fprintf(stderr, "demo: a watchdog fired: %s\n", (options.report_dir / "run/controller" / name).c_str());
   }
-  return 0;
+  if (!r.with_grasp.is_success) std::fprintf(stderr, "demo: the grasp with filter did not succeed\n");
+  return r.with_grasp.is_success && r.controller.black_boxes.empty() ? 0 : 1;
 }
 
 int fail(int code, const std::string& text) {

@@ -70,6 +70,10 @@ TEST_F(WholeJob, MeetsItsFiguresAndGivesTheSameReportUnderLoad) {
   EXPECT_TRUE(quiet["grasp"]["with_filter"]["success"].get<bool>());
   for (const char* filter : {"with_filter", "without_filter"}) EXPECT_TRUE(quiet["grasp"][filter]["verdict_agrees_with_truth"].get<bool>()) << filter;
   EXPECT_EQ(quiet["controller"]["missed"], 0);
+  for (const char* run : {"quiet", "loaded"}) {
+    for (const auto& entry : fs::directory_iterator(folder_ / run / "run/controller"))
+      EXPECT_FALSE(entry.path().filename().string().starts_with("blackbox")) << "a watchdog fired: " << entry.path();
+  }
 
   drop_wall_figures(quiet);
   drop_wall_figures(loaded);

@@ -175,6 +175,7 @@ Report Session::run() {
   });
   phase("the controller's statistics", [&] { read_status(); });
   evaluate(report_, arm_.finish(), without, with, robot_, experiment_);
+  report_.controller.black_boxes = arm_.black_boxes();
   report_.commands = arm_.commands();
   return std::move(report_);
 }

@@ -38,6 +38,8 @@ class RunningArm {
   Conductor& conductor() { return conductor_; }
   /// Ends the controller, asks for the truth.
   Truth finish();
+  /// Names of the files that faults left in the controller's state folder.
+  std::vector<std::string> black_boxes() const;
   const std::filesystem::path& run_dir() const { return run_dir_; }
   const std::string& bus_line() const { return bus_line_; }
   const std::vector<std::string>& commands() const { return commands_; }

@@ -20,6 +20,7 @@ struct ReportImage {
 struct ControllerFigures {
   double rate_hz = 0, tick_us_p50 = 0, tick_us_p999 = 0;
   std::uint64_t cycles = 0, missed = 0;
+  std::vector<std::string> black_boxes;  ///< files: a fault writes one, and a run without watchdogs has none
 };
 
 struct Report {

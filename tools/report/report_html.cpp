@@ -150,7 +150,8 @@ std::string repeat_section(const Report& r) {
   std::string out = "<h2>Time</h2>" + table({"phase", "robot's time [s]", "wall time [s]"}, phases);
   out += "<p>Controller: " + n(r.controller.rate_hz) + " Hz, " + std::to_string(r.controller.cycles) + " cycles, " +
          std::to_string(r.controller.missed) + " missed; tick " + n(r.controller.tick_us_p50) + " µs (median), " +
-         n(r.controller.tick_us_p999) + " µs (99.9 %). The calibration was solved in " + n(r.calibrate.solve_wall_ms) + " ms.</p>";
+         n(r.controller.tick_us_p999) + " µs (99.9 %). The calibration was solved in " + n(r.calibrate.solve_wall_ms) + " ms. " +
+         (r.controller.black_boxes.empty() ? "No watchdog fired." : std::to_string(r.controller.black_boxes.size()) + " watchdogs fired.") + "</p>";
   out += "<h2>To repeat this run</h2><p><code>./tools/demo --seed " + std::to_string(r.seed) + " --noise " + r.noise + " --pace " + r.pace +
          "</code></p>" + table({"program", "version"}, programs);
   std::string commands;

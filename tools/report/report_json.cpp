@@ -119,7 +119,8 @@ std::string to_json(const Report& r) {
                                        {"tick_us_p50", r.controller.tick_us_p50},
                                        {"tick_us_p999", r.controller.tick_us_p999},
                                        {"cycles", r.controller.cycles},
-                                       {"missed", r.controller.missed}}},
+                                       {"missed", r.controller.missed},
+                                       {"black_boxes", r.controller.black_boxes}}},
                        {"phases", phases}};
   return report.dump(2) + "\n";
 }

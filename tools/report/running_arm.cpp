@@ -1,5 +1,6 @@
 #include <stdlib.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tools/report/demo_session.hpp"
@@ -95,6 +96,16 @@ Truth RunningArm::finish() {
   const fs::path file = run_dir_ / "sim/truth.json";
   conductor_.finish(file);
   return load_truth(file);
+}
+
+std::vector<std::string> RunningArm::black_boxes() const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(run_dir_ / "controller")) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("blackbox-")) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace armsight::demo
