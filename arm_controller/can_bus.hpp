@@ -36,6 +36,8 @@ class CanBus {
   virtual bool receive(BusFrame& frame) noexcept = 0;
   virtual BusErrors take_errors() noexcept = 0;
   virtual const std::string& name() const = 0;  ///< "emulated:PATH", "socketcan:can0"
+  /// Readable when a frame waits, for whoever has nothing else to do; -1: there is none.
+  virtual int descriptor() const noexcept { return -1; }
 };
 
 }  // namespace armsight::arm

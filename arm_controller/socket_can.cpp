@@ -37,11 +37,12 @@ std::int64_t clock_ns(clockid_t id) {
 
 /// Answers and samples of nodes 1 … 127, emergencies, heartbeats, and our own SYNC back.
 void set_filters(int fd) {
-  const std::array<can_filter, 5> filters{{{kSyncId, CAN_SFF_MASK & ~0x7Fu},
-                                           {kTpdo1Base, CAN_SFF_MASK & ~0x7Fu},
-                                           {kSdoAnswerBase, CAN_SFF_MASK & ~0x7Fu},
-                                           {kHeartbeatBase, CAN_SFF_MASK & ~0x7Fu},
-                                           {0x280, CAN_SFF_MASK & ~0x7Fu}}};
+  constexpr canid_t kAnyNode = CAN_EFF_FLAG | CAN_RTR_FLAG | (CAN_SFF_MASK & ~0x7Fu);
+  const std::array<can_filter, 5> filters{{{kSyncId, kAnyNode},
+                                           {kTpdo1Base, kAnyNode},
+                                           {kSdoAnswerBase, kAnyNode},
+                                           {kHeartbeatBase, kAnyNode},
+                                           {0x280, kAnyNode}}};
   set_option(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters, "CAN_RAW_FILTER");
 }
 
@@ -90,6 +91,7 @@ class SocketCan final : public CanBus {
   }
 
   const std::string& name() const override { return name_; }
+  int descriptor() const noexcept override { return fd_.get(); }
 
  private:
   bool read_one(can_frame& raw, Time& time, bool& is_own) noexcept;
@@ -149,7 +151,7 @@ void SocketCan::note_error(const can_frame& raw) noexcept {
 
 }  // namespace
 
-std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock) {
+std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock, CanHears hears) {
   const std::string what = "CAN interface '" + interface + "': ";
   if (interface.empty() || interface.size() >= IFNAMSIZ) throw BusError(what + "no name of a network interface");
   const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
@@ -166,7 +168,7 @@ std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock
   set_option(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, int{1}, "CAN_RAW_RECV_OWN_MSGS");
   set_option(fd, SOL_SOCKET, SO_TIMESTAMPNS, int{1}, "SO_TIMESTAMPNS");
   set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, int{1}, "SO_RXQ_OVFL");
-  set_filters(fd);
+  if (hears == CanHears::kController) set_filters(fd);
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = index;

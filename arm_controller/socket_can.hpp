@@ -16,7 +16,11 @@ class BusError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What the kernel lets through: what concerns a controller, or everything (drives, listeners).
+enum class CanHears { kController, kEverything };
+
 /// "can0": opened raw, with error frames, our own frames seen back, non-blocking. Throws BusError.
-std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock);
+std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock,
+                                        CanHears hears = CanHears::kController);
 
 }  // namespace armsight::arm

@@ -27,7 +27,7 @@ int listen_to_emulated(const std::string& path) {
 
 int listen_to_interface(const std::string& name) {
   const auto clock = armsight::net::make_monotonic_clock(std::chrono::milliseconds(1));
-  const auto bus = armsight::arm::open_socket_can(name, *clock);
+  const auto bus = armsight::arm::open_socket_can(name, *clock, armsight::arm::CanHears::kEverything);
   armsight::arm::BusFrame frame;
   while (is_stopping == 0 && !bus->take_errors().lost) {
     while (bus->receive(frame)) print(name, frame);

@@ -67,7 +67,8 @@ Simulation::Impl::Impl(const SimulationOptions& o)
       world(o.robot, o.scene, make_truth(o.robot, o.scene, o.noise, o.mount, o.seed), start(),
             [this](std::size_t node, const CanFrame& frame, Time now) { send_from_node(node, frame, now); }) {
   const ToOwnClock to_own = [this](std::uint32_t id, std::int64_t ns) { return server.to_own_ns(id, ns); };
-  if (!o.can_interface.empty()) interface = arm::open_socket_can(o.can_interface, server.clock());
+  if (!o.can_interface.empty())
+    interface = arm::open_socket_can(o.can_interface, server.clock(), arm::CanHears::kEverything);
   else hub = std::make_unique<BusHub>(o.emulated_bus_path, bus, server.clock(), to_own);
   open_log();
   attach_nodes();
@@ -99,7 +100,7 @@ void Simulation::Impl::send_from_node(std::size_t node, const CanFrame& frame, T
     bus.send(node_ports[node], frame, now);  // a full queue drops the frame, as in a drive's mailbox
     return;
   }
-  if (interface->send(frame) == arm::SendResult::kSent) note(frame, now);
+  interface->send(frame);  // noted when it comes back as our own
 }
 
 /// Events in order of time: the end of a frame, or a node's timer.
@@ -160,10 +161,9 @@ void Simulation::Impl::wait_real() {
     descriptors.insert(descriptors.end(), of_bus.begin(), of_bus.end());
   }
   const Time now = server.clock().now();
+  if (interface) descriptors.push_back(interface->descriptor());
   const Time wake = std::min({now + kRealStep, bus.next_event(), world.next_time()});
-  // On a real interface there is no descriptor to wait for: look often.
-  const Duration pause = interface ? std::chrono::microseconds(200) : std::max(Duration::zero(), wake - now);
-  net::wait_and_flow(descriptors, pause, nullptr);
+  net::wait_and_flow(descriptors, std::max(Duration::zero(), wake - now), nullptr);
 }
 
 /// A real drive's firmware is never stopped by a busy host. What the machine takes from the simulator is therefore not
