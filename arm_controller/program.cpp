@@ -15,7 +15,7 @@ namespace armsight::arm {
 namespace {
 
 constexpr Duration kLongestStop = std::chrono::seconds(5);
-constexpr Duration kLinkPeriod = std::chrono::milliseconds(2);
+constexpr Duration kShortestLinkPeriod = std::chrono::milliseconds(2);
 constexpr int kRoleController = 1;
 
 RobotConfig load(const Flags& flags) {
@@ -116,10 +116,11 @@ int Program::run_lockstep(const std::atomic<bool>& leaves) {
 }
 
 int Program::run_real(const std::atomic<bool>& leaves) {
+  const Duration link_period = std::max(kShortestLinkPeriod, seconds_to_duration(robot_.controller.period_s) / 2);
   std::thread cycle([this, &leaves] { cycle_thread(leaves); });
   while (!cycle_ended_) {
     const std::vector<int> descriptors = link_->descriptors();
-    net::wait_readable(descriptors, kLinkPeriod);
+    net::wait_readable(descriptors, link_period);
     link_->step(clock_->now());
     link_->publish(clock_->now());
   }

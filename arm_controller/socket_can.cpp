@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 
 #include "protocol/descriptor.hpp"
@@ -80,6 +81,7 @@ class SocketCan final : public CanBus {
       frame.is_own_echo = is_own;
       return true;
     }
+    clocks_are_read_ = false;
     return false;
   }
 
@@ -96,6 +98,7 @@ class SocketCan final : public CanBus {
  private:
   bool read_one(can_frame& raw, Time& time, bool& is_own) noexcept;
   void note_error(const can_frame& raw) noexcept;
+  void read_clocks() noexcept;
   Time own_time(const msghdr& message) noexcept;
 
   Descriptor fd_;
@@ -103,6 +106,9 @@ class SocketCan final : public CanBus {
   net::Clock& clock_;
   BusErrors errors_;
   std::uint32_t kernel_overflows_ = 0;
+  bool clocks_are_read_ = false;  ///< once for all frames that wait
+  Time own_now_{};
+  std::int64_t wall_now_ns_ = 0;
 };
 
 bool SocketCan::read_one(can_frame& raw, Time& time, bool& is_own) noexcept {
@@ -121,15 +127,24 @@ bool SocketCan::read_one(can_frame& raw, Time& time, bool& is_own) noexcept {
   return true;
 }
 
-// Kernel stamps are wall clock, and wall clocks step: the age of the stamp, taken now, is what is used.
+void SocketCan::read_clocks() noexcept {
+  if (clocks_are_read_) return;
+  own_now_ = clock_.now();
+  wall_now_ns_ = clock_ns(CLOCK_REALTIME);
+  clocks_are_read_ = true;
+}
+
+// Kernel stamps are wall clock, and wall clocks step: the age of the stamp, taken now, is what is used. A frame that
+// came after the clocks were read has a small negative age.
 Time SocketCan::own_time(const msghdr& message) noexcept {
+  read_clocks();
   std::int64_t age_ns = 0;
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c; c = CMSG_NXTHDR(const_cast<msghdr*>(&message), c)) {
     if (c->cmsg_level != SOL_SOCKET) continue;
     if (c->cmsg_type == SO_TIMESTAMPNS) {
       timespec t{};
       std::memcpy(&t, CMSG_DATA(c), sizeof t);
-      age_ns = clock_ns(CLOCK_REALTIME) - (1'000'000'000LL * t.tv_sec + t.tv_nsec);
+      age_ns = wall_now_ns_ - (1'000'000'000LL * t.tv_sec + t.tv_nsec);
     } else if (c->cmsg_type == SO_RXQ_OVFL) {
       std::uint32_t total = 0;
       std::memcpy(&total, CMSG_DATA(c), sizeof total);
@@ -138,7 +153,7 @@ Time SocketCan::own_time(const msghdr& message) noexcept {
     }
   }
   constexpr std::int64_t kOldest_ns = 100'000'000;  // older: the wall clock was set in between
-  return clock_.now() - Duration{age_ns >= 0 && age_ns < kOldest_ns ? age_ns : 0};
+  return own_now_ - Duration{std::abs(age_ns) < kOldest_ns ? age_ns : 0};
 }
 
 void SocketCan::note_error(const can_frame& raw) noexcept {

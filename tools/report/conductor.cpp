@@ -5,6 +5,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -54,7 +55,8 @@ std::string Conductor::start_server(const std::string& name, const std::vector<s
   children_.push_back(std::make_unique<ChildProcess>(name, command));
   ChildProcess& child = *children_.back();
   const Patience patience(kStartPatience_ms);
-  bool is_joined = clock_ < 0;  // the first server, arm_sim, owns the clock
+  // The first server, arm_sim, owns the clock; a controller on a real bus goes by the machine's.
+  bool is_joined = clock_ < 0 || std::ranges::find(command, "--clock") == command.end();
   while (true) {
     attend(kPoll_ms);
     if (!is_joined && child.line_after(name + ": joined the simulated clock")) {

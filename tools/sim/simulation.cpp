@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -20,6 +21,8 @@ namespace armsight::sim {
 namespace {
 
 constexpr Duration kRealStep = std::chrono::milliseconds(1);
+constexpr Duration kLongestStep = std::chrono::milliseconds(5);
+constexpr Duration kNeedsWakefulness = std::chrono::milliseconds(10);
 constexpr Duration kStall = std::chrono::milliseconds(3);  ///< later than this is the machine's doing
 constexpr Duration kCameraStep = std::chrono::milliseconds(2);
 constexpr Duration kInstant{1};
@@ -42,6 +45,9 @@ struct Simulation::Impl {
   int stalls = 0;
   Duration longest_stall{0};
 
+  Duration period() const { return seconds_to_duration(options.robot.controller.period_s); }
+  /// What waits for a frame is woken by it; the step is for the arm's own motion.
+  Duration real_step() const { return std::clamp(period() / 4, kRealStep, kLongestStep); }
   Time start() const { return options.is_lockstep ? time_from_ns(kFirstTime_ns) : time_from_ns(net::monotonic_ns()); }
   void attach_nodes();
   void open_log();
@@ -132,7 +138,7 @@ WorldAt Simulation::Impl::world_at() const {
 
 bool Simulation::Impl::run_lockstep(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping) {
   const WorldAt at = world_at();
-  const Duration period = seconds_to_duration(options.robot.controller.period_s);
+  const Duration period = this->period();
   while (server.run_participants(is_stopping)) {
     const Time end = server.clock().now() + period;
     hub->receive();
@@ -145,11 +151,12 @@ bool Simulation::Impl::run_lockstep(const AdvanceCamera& advance_camera, const s
 }
 
 void Simulation::Impl::receive_from_interface() {
+  const Time now = server.clock().now();
   arm::BusFrame received;
   while (interface->receive(received)) {
     note(received.frame, received.time);
     for (std::size_t i = 0; !received.is_own_echo && i < world.node_count(); ++i)
-      world.on_frame(i, received.frame, time_from_ns(net::monotonic_ns()));
+      world.on_frame(i, received.frame, now);
   }
   is_lost = interface->take_errors().lost;
 }
@@ -162,14 +169,14 @@ void Simulation::Impl::wait_real() {
   }
   const Time now = server.clock().now();
   if (interface) descriptors.push_back(interface->descriptor());
-  const Time wake = std::min({now + kRealStep, bus.next_event(), world.next_time()});
+  const Time wake = std::min({now + real_step(), bus.next_event(), world.next_time()});
   net::wait_and_flow(descriptors, std::max(Duration::zero(), wake - now), nullptr);
 }
 
 /// A real drive's firmware is never stopped by a busy host. What the machine takes from the simulator is therefore not
 /// counted as silence on the bus; it is counted here, and said at the end.
 void Simulation::Impl::excuse_stall(Time last, Time now) {
-  const Duration stall = now - last - kRealStep;
+  const Duration stall = now - last - real_step();
   if (stall < kStall) return;
   world.excuse(stall);
   ++stalls;
@@ -222,7 +229,8 @@ Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::
         std::this_thread::sleep_for(kCameraStep);
       }
     });
-    const Wakefulness wakefulness;
+    std::optional<Wakefulness> wakefulness;
+    if (impl_->period() <= kNeedsWakefulness) wakefulness.emplace();
     for (const std::string& sentence : arm::become_real_time(kBusPriority))
       std::fprintf(stderr, "arm_sim: %s; the drives may stall\n", sentence.c_str());
     is_finished = impl_->run_real(is_stopping);
