@@ -224,9 +224,10 @@ Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::
   } else {
     std::jthread camera([this, &advance_camera](const std::stop_token& stop) {
       const WorldAt at = impl_->world_at();
+      const Duration step = std::max(kCameraStep, impl_->real_step());
       while (!stop.stop_requested()) {
         advance_camera(to_ns(impl_->server.clock().now()), at);
-        std::this_thread::sleep_for(kCameraStep);
+        std::this_thread::sleep_for(step);
       }
     });
     std::optional<Wakefulness> wakefulness;
