@@ -1,5 +1,6 @@
 #include "host/motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,7 +10,8 @@
 namespace armsight::host {
 namespace {
 
-constexpr Duration kMotionTimeout = std::chrono::seconds(60);   // 3 rad at a tenth of the working speed
+constexpr Duration kMotionTimeout = std::chrono::seconds(60);  // 3 rad at a tenth of the working speed; slower: longer
+constexpr double kSpeedOfTimeout = 0.1;
 constexpr Duration kStillTimeout = std::chrono::seconds(5);
 constexpr Duration kHandTimeout = std::chrono::seconds(8);
 constexpr Duration kGripSettling = std::chrono::milliseconds(300);  // from contact to full force
@@ -32,7 +34,8 @@ void refuse_fault(HostIo& io) {
   if (io.arm().state()->mode() == wire::MODE_FAULT) throw CommandFailed(fault_text(io));
 }
 
-MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, const std::function<bool()>& is_over) {
+MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, double speed_scale,
+                    const std::function<bool()>& is_over) {
   MotionResult result;
   const CommandOutcome outcome = io.command(std::move(message));
   if (!outcome.is_accepted) {
@@ -42,8 +45,9 @@ MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, cons
   }
   bool was_cut_short = false;
   const auto is_done = [&] { return has_ended(io, goal) || (was_cut_short = is_over && is_over()); };
-  if (!io.wait_until(is_done, kMotionTimeout)) {
-    result.why = "not there after 60 s";
+  const double timeout_s = to_seconds(kMotionTimeout) * std::max(1.0, kSpeedOfTimeout / speed_scale);
+  if (!io.wait_until(is_done, seconds_to_duration(timeout_s))) {
+    result.why = "not there after " + fixed(timeout_s, 0) + " s";
     return result;
   }
   if (was_cut_short) {
@@ -95,7 +99,7 @@ MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions
   goal.set_speed_scale(options.speed_scale);
   goal.set_valid_for_ns(kGoalValid_ns);
   const std::uint64_t number = goal.goal();
-  return follow(io, number, std::move(message), options.is_over);
+  return follow(io, number, std::move(message), options.speed_scale, options.is_over);
 }
 
 MotionResult stand_still_here(HostIo& io) { return drive_to(io, real_now(io)); }
@@ -109,11 +113,11 @@ MotionResult drive_to(HostIo& io, const PoseTarget& target) {
   goal.set_model_revision(target.model_revision);
   goal.set_position_tolerance_m(target.position_tolerance_m);
   goal.set_orientation_tolerance_rad(target.orientation_tolerance_rad);
-  goal.set_speed_scale(1.0);
+  goal.set_speed_scale(target.speed_scale);
   goal.set_valid_for_ns(kGoalValid_ns);
   if (target.q_seed.size() > 0) to_wire(target.q_seed, goal.mutable_q_seed_rad());
   const std::uint64_t number = goal.goal();
-  return follow(io, number, std::move(message), {});
+  return follow(io, number, std::move(message), target.speed_scale, {});
 }
 
 HandResult move_hand(HostIo& io, double closure, double force_limit_permille) {

@@ -36,6 +36,7 @@ struct PoseTarget {
   std::uint64_t model_revision = 0;
   double position_tolerance_m = 0.002, orientation_tolerance_rad = 0.035;
   JointVector q_seed;        ///< preferred posture, real
+  double speed_scale = 1.0;
 };
 MotionResult drive_to(HostIo& io, const PoseTarget& target);
 

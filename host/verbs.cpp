@@ -14,13 +14,6 @@ constexpr double kPoseOrientation_rad = 0.02;
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
 constexpr Duration kStatisticsTimeout = std::chrono::milliseconds(1200);  // the controller tells them every second
 
-void check_joints(const RobotConfig& robot, const JointVector& q_real) {
-  if (q_real.size() != robot.arm.joint_count()) {
-    throw ConfigError("--joints: " + std::to_string(q_real.size()) + " values: must be one a joint, " +
-                      std::to_string(robot.arm.joint_count()));
-  }
-}
-
 }  // namespace
 
 void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const std::optional<Pose>& T_B_G,
@@ -29,10 +22,10 @@ void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const 
   MotionResult motion;
   if (T_B_G) {
     record.T_B_G = T_B_G;
-    const PoseTarget target{wire::GOAL_FRAME_BASE, *T_B_G, model_in_force(io).revision, kPosePosition_m, kPoseOrientation_rad, real_now(io)};
+    const PoseTarget target{wire::GOAL_FRAME_BASE, *T_B_G, model_in_force(io).revision, kPosePosition_m,
+                            kPoseOrientation_rad, real_now(io), speed_scale};
     motion = drive_to(io, target);
   } else {
-    check_joints(io.robot(), q_real);
     record.q_goal_real = q_real;
     motion = drive_to(io, q_real, {speed_scale, {}});
   }

@@ -1,6 +1,7 @@
 // The link: who may do what, what is refused and why, and that no message ends the program.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -81,6 +82,24 @@ TEST(Link, BringsAPoseGoalToItsEnd) {
   });
   ASSERT_TRUE(status);
   EXPECT_LT(status->goal_status().position_error_m(), 1e-3);
+}
+
+TEST(Link, APoseGoalKeepsToItsShareOfTheSpeed) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  JointVector q(5);
+  q << 0.5, 0.2, -0.5, 1.2, 0.3;
+  wire::Envelope slow = pose_goal(rig, q);
+  slow.mutable_pose_goal()->set_speed_scale(0.2);
+  ASSERT_TRUE(rig.answer_to(*peer, peer->send(slow)).has_accepted());
+  double fastest = 0.0;
+  const auto arrived = rig.wait_for(*peer, [&fastest](const auto& e) {
+    for (const double speed : e.arm_state().speed_rad_s()) fastest = std::max(fastest, std::abs(speed));
+    return e.has_goal_status() && e.goal_status().state() == wire::GOAL_STATE_ARRIVED;
+  }, 6000);
+  ASSERT_TRUE(arrived);
+  EXPECT_LT(fastest, 0.2 * rig.robot.arm.limits.max_speed_rad_s.maxCoeff() * 1.1);
+  EXPECT_GT(fastest, 0.5 * 0.2 * rig.robot.arm.limits.max_speed_rad_s.maxCoeff());
 }
 
 TEST(Link, RefusesAnotherProtocolAndNamesBothVersions) {
