@@ -115,7 +115,7 @@ void Learn::take(const LookTaken& taken) {
   const LookMeasurement& look = *taken.look;
   LookSample sample{taken.q_reading, look.T_C_H, look.second_T_C_H, look.covariance, to_ns(taken.arm_time.arm_time), {}};
   sample.image = files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"learn: look " + std::to_string(samples_.size() + 1)}));
-  looks_.add(sample);
+  io_.compute([&] { looks_.add(sample); });  // a disk may take longer than the lease lives
   record.looks.push_back({sample.q_reading, sample.arm_time_ns, look.reprojection_px, sample.image});
   samples_.push_back(std::move(sample));
   guess_.take(samples_);

@@ -44,7 +44,7 @@ std::vector<Observation> arm_observations(const std::vector<LookSample>& looks, 
     z.q = look.q_reading;
     z.T_C_M = look.T_C_H;
     z.T_C_M_second = look.T_C_H_second;
-    z.R_vision = look.R_vision;
+    z.R_vision = look.R_vision.selfadjointView<Eigen::Upper>();  // what a saved look holds of it, to the last bit
     if (options.cost == LearnCost::kThesis) {  // (4.6): e_O is the half angle, 1 m ≙ 2 rad; scaled to our floor
       const double s = options.floor_position_sigma_m;
       z.R_vision = (Vector6() << s * s, s * s, s * s, 4 * s * s, 4 * s * s, 4 * s * s).finished().asDiagonal();

@@ -55,7 +55,7 @@ struct Dataset {
 /// Throws ConfigError.
 Dataset load_dataset(const std::filesystem::path& folder);
 
-/// dataset.yaml of looks made with an Armsight robot: chain "arm" of `robot_file` (a name inside the folder), mount known.
+/// dataset.yaml of looks made with an Armsight robot: chain "arm" of `robot_file` (a name inside the folder), hand poses.
 std::string dataset_yaml_for_robot(const RobotConfig& robot, const std::string& robot_file);
 
 }  // namespace armsight::host

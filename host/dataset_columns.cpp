@@ -5,6 +5,11 @@
 #include <cmath>
 
 namespace armsight::host {
+namespace {
+
+constexpr double kExactRotation = 1e-12;  // one as good is taken to the last bit, so that our own looks solve to the same
+
+}  // namespace
 
 Column Header::find(const std::string& name) {
   const Column column = table_.column(name);
@@ -59,7 +64,7 @@ Pose read_pose(CsvTable& table, std::size_t row, const PoseColumns& columns) {
       (c < 3 ? T.R(r, c) : T.p[r]) = value;
     }
     if (!is_rotation(T.R, 1e-3)) table.refuse(row, columns.matrix_form[0], "t11 … t33 must be a rotation to 1e-3");
-    else T.R = nearest_rotation(T.R);
+    else if (!is_rotation(T.R, kExactRotation)) T.R = nearest_rotation(T.R);
     return T;
   }
   std::array<double, 7> v{};

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 #include <ctime>
-#include <system_error>
+#include <utility>
 
 #include "host/dataset.hpp"
 #include "host/session_files.hpp"
@@ -10,13 +10,43 @@
 #include "protocol/strict_yaml.hpp"
 
 namespace armsight::host {
+namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kRobotFile = "robot.yaml";
+constexpr const char* kDatasetFile = "dataset.yaml";
+constexpr const char* kSamplesFile = "samples.csv";
+constexpr std::size_t kMatrixCells = 12;
 
 std::string exact(double value) {
   char text[40];
   std::snprintf(text, sizeof text, ",%.17g", value);
+  return text;
+}
+
+// Poses as matrices: a rotation that went through a quaternion would come back with other last digits.
+std::string matrix_header(const std::string& prefix) {
+  std::string text;
+  for (const char row : {'1', '2', '3'}) {
+    for (const char column : {'1', '2', '3', '4'}) text += "," + prefix + "t" + row + column;
+  }
+  return text;
+}
+
+std::string matrix_cells(const Pose& T) {
+  std::string text;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) text += exact(T.R(r, c));
+    text += exact(T.p[r]);
+  }
+  return text;
+}
+
+std::string covariance_header() {
+  std::string text;
+  for (int r = 1; r <= 6; ++r) {
+    for (int c = r; c <= 6; ++c) text += ",cov_" + std::to_string(r) + std::to_string(c);
+  }
   return text;
 }
 
@@ -32,17 +62,12 @@ std::string date_now() {
 
 }  // namespace
 
-LookFiles::LookFiles(const std::filesystem::path& folder, const RobotConfig& robot, const std::filesystem::path& robot_file)
-    : folder_(folder), T_H_M_(robot.arm.T_H_M), marker_id_(robot.hand_marker.id) {
-  std::error_code error;
-  std::filesystem::create_directories(folder_, error);
-  if (error) throw ConfigError(folder_.string() + ": cannot be made: " + error.message());
-  write_atomically(folder_ / kRobotFile, read_text_file(robot_file));
-  write_atomically(folder_ / "dataset.yaml", dataset_yaml_for_robot(robot, kRobotFile));
+LookFiles::LookFiles(const fs::path& folder, const RobotConfig& robot, const fs::path& robot_file)
+    : folder_(folder), robot_(read_text_file(robot_file)), dataset_(dataset_yaml_for_robot(robot, kRobotFile)),
+      marker_(std::to_string(robot.hand_marker.id)) {
   rows_ = "time_s";
   for (const std::string& name : robot.joint_names) rows_ += "," + name;
-  rows_ += ",marker,x_m,y_m,z_m,qw,qx,qy,qz\n";
-  write_atomically(folder_ / "samples.csv", rows_);
+  rows_ += ",marker" + matrix_header("") + matrix_header("second_") + covariance_header() + "\n";
 }
 
 void LookFiles::add(const LookSample& sample) {
@@ -50,15 +75,34 @@ void LookFiles::add(const LookSample& sample) {
   std::snprintf(time, sizeof time, "%.9f", static_cast<double>(sample.arm_time_ns) * 1e-9);
   rows_ += time;
   for (const double q : sample.q_reading) rows_ += exact(q);
-  rows_ += "," + std::to_string(marker_id_);
-  const Pose T_C_M = sample.T_C_H * T_H_M_;
-  const Eigen::Quaterniond quat(T_C_M.R);
-  for (const double value : {T_C_M.p.x(), T_C_M.p.y(), T_C_M.p.z(), quat.w(), quat.x(), quat.y(), quat.z()}) rows_ += exact(value);
+  rows_ += "," + marker_ + matrix_cells(sample.T_C_H);
+  rows_ += sample.T_C_H_second ? matrix_cells(*sample.T_C_H_second) : std::string(kMatrixCells, ',');
+  for (int r = 0; r < 6; ++r) {
+    for (int c = r; c < 6; ++c) rows_ += exact(sample.R_vision(r, c));
+  }
   rows_ += "\n";
-  write_atomically(folder_ / "samples.csv", rows_);
+  if (!std::exchange(has_begun_, true)) return begin();
+  write_atomically(folder_ / kSamplesFile, rows_);
 }
 
-void save_calibration(const std::filesystem::path& file, const RobotConfig& robot, const LearnedModel& model,
+// The new set is whole before the last one gives up its name, and the last one stays beside it.
+void LookFiles::begin() const try {
+  const fs::path made = folder_.string() + "-new", previous = folder_.string() + "-previous";
+  fs::remove_all(made);
+  fs::create_directories(made);
+  write_atomically(made / kRobotFile, robot_);
+  write_atomically(made / kDatasetFile, dataset_);
+  write_atomically(made / kSamplesFile, rows_);
+  if (fs::exists(folder_)) {
+    fs::remove_all(previous);
+    fs::rename(folder_, previous);
+  }
+  fs::rename(made, folder_);
+} catch (const fs::filesystem_error& error) {
+  throw ConfigError(error.what());
+}
+
+void save_calibration(const fs::path& file, const RobotConfig& robot, const LearnedModel& model,
                       const ArmCalibration& calibration) {
   ModelFile out;
   out.robot = robot.robot;

@@ -119,7 +119,7 @@ TEST_F(DatasetFolder, TheVerbRunsOnLooksOfOurOwnRobotAndFindsTheOffset) {
     const JointVector q = test::random_within(arm.limits, random);
     JointVector real = q;
     real[2] += 0.05;
-    const Pose T = test::default_T_C_B() * forward_kinematics(arm.chain, real) * arm.T_H_M;
+    const Pose T = test::default_T_C_B() * forward_kinematics(arm.chain, real);
     const Eigen::Quaterniond quat(T.R);
     rows << k;
     for (const double value : q) rows << "," << value;
