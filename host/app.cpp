@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <opencv2/core/utility.hpp>
@@ -37,6 +38,21 @@ HostIoOptions io_options(const CommandLine& line) {
   return options;
 }
 
+bool is_finite(double value) { return std::isfinite(value); }
+
+// CLI11 takes "nan" for a number and finds it in every range.
+void check_numbers(const CommandLine& line) {
+  const auto check = [](const char* flag, const std::vector<double>& values) {
+    if (!std::all_of(values.begin(), values.end(), is_finite)) throw ConfigError(std::string(flag) + ": must be finite");
+  };
+  check("--joints", line.joints_rad);
+  check("--pose", line.pose);
+  check("--speed", {line.speed});
+  check("--force", {line.force_permille});
+  check("--target-sigma-mm", {line.target_sigma_mm});
+  check("--size-mm", {line.marker_size_mm});
+}
+
 std::optional<Pose> pose_goal(const CommandLine& line) {
   if (line.pose.empty()) {
     if (line.joints_rad.empty()) throw ConfigError("move: must name --joints or --pose");
@@ -53,29 +69,36 @@ JointVector joint_goal(const CommandLine& line, const RobotConfig& robot) {
     throw ConfigError("--joints: " + std::to_string(line.joints_rad.size()) + " values: must be one a joint, " +
                       std::to_string(robot.arm.joint_count()));
   }
-  const JointVector q = Eigen::Map<const Eigen::VectorXd>(line.joints_rad.data(), robot.arm.joint_count());
-  if (!q.allFinite()) throw ConfigError("--joints: must be finite");
-  return q;
+  return Eigen::Map<const Eigen::VectorXd>(line.joints_rad.data(), robot.arm.joint_count());
 }
 
-void run_calibrate_verb(HostIo& io, const CommandLine& line) {
+/// What the verbs' files are called; null: the verb leaves none.
+const char* session_name(Verb verb) {
+  switch (verb) {
+    case Verb::kCalibrate: return "calibrate";
+    case Verb::kAdapt: return "adapt";
+    case Verb::kGrasp: return "grasp";
+    case Verb::kMove: return "move";
+    default: return nullptr;
+  }
+}
+
+void run_calibrate_verb(HostIo& io, SessionFiles& files, const CommandLine& line) {
   CalibrateOptions options;
   options.robot_file = line.robot;
   if (line.looks > 0) options.looks = line.looks, options.max_attempts = 2 * line.looks;
   options.target_sigma_m = line.target_sigma_mm * 1e-3;
-  SessionFiles files(line.state, "calibrate");
   run_calibrate(io, files, options, std::cout);
 }
 
-void run_adapt_verb(HostIo& io, const CommandLine& line) {
+void run_adapt_verb(HostIo& io, SessionFiles& files, const CommandLine& line) {
   AdaptOptions options;
   if (line.looks > 0) options.looks = line.looks, options.max_attempts = 2 * line.looks + 2;
   options.target_sigma_m = line.target_sigma_mm * 1e-3;
-  SessionFiles files(line.state, "adapt");
   run_adapt(io, files, options, std::cout);
 }
 
-// Everything that can be wrong with words and files is found before anything moves.
+// Everything that can be wrong with words, files and folders is found before anything is connected or moves.
 void run_online(const CommandLine& line) {
   const RobotConfig robot = load_robot(line.robot);
   const HostIoOptions options = io_options(line);
@@ -84,6 +107,8 @@ void run_online(const CommandLine& line) {
   GraspTable table;
   if (line.verb == Verb::kGrasp) table = GraspTable::load(line.grasps);
   const GraspObject* object = line.verb == Verb::kGrasp ? &table.find(line.object) : nullptr;
+  std::optional<SessionFiles> files;
+  if (const char* name = session_name(line.verb)) files.emplace(line.state, name);
 
   cv::setNumThreads(1);  // the arm's loop may share this machine: no picture is worth all of its cores
   catch_interrupts();
@@ -91,18 +116,10 @@ void run_online(const CommandLine& line) {
   open_session(io, needs_camera(line.verb));
   if (needs_command(line.verb)) take_command(io, line.clear_fault);
   switch (line.verb) {
-    case Verb::kCalibrate: run_calibrate_verb(io, line); break;
-    case Verb::kAdapt: run_adapt_verb(io, line); break;
-    case Verb::kGrasp: {
-      SessionFiles files(line.state, "grasp");
-      run_grasp(io, files, *object, {}, std::cout);
-      break;
-    }
-    case Verb::kMove: {
-      SessionFiles files(line.state, "move");
-      run_move(io, files, q_goal, T_B_G, line.speed, std::cout);
-      break;
-    }
+    case Verb::kCalibrate: run_calibrate_verb(io, *files, line); break;
+    case Verb::kAdapt: run_adapt_verb(io, *files, line); break;
+    case Verb::kGrasp: run_grasp(io, *files, *object, {}, std::cout); break;
+    case Verb::kMove: run_move(io, *files, q_goal, T_B_G, line.speed, std::cout); break;
     case Verb::kHand: run_hand(io, line.hand == "close" ? 1.0 : 0.0, line.force_permille, std::cout); break;
     case Verb::kStatus: run_status(io, std::cout); break;
     case Verb::kStop: run_stop(io, std::cout); break;
@@ -126,6 +143,7 @@ int fail(int code, const std::string& text) {
 }  // namespace
 
 int run(const CommandLine& line) try {
+  check_numbers(line);
   if (line.verb == Verb::kPrintMarker) {
     print_marker(line);
     return 0;
@@ -147,10 +165,10 @@ int run(const CommandLine& line) try {
   return fail(3, error.what());
 } catch (const net::ClockLost& error) {
   return fail(3, error.what());
-} catch (const CommandFailed& error) {
-  return fail(1, error.what());
-} catch (const Interrupted& error) {
-  return fail(1, error.what());
+} catch (const std::exception& error) {  // CommandFailed, Interrupted, a full disk, and what nobody foresaw
+  std::string text = error.what();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return fail(1, text);
 }
 
 }  // namespace armsight::host

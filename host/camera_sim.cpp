@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "protocol/camera_stream.pb.h"
+#include "protocol/config_error.hpp"
 #include "protocol/transport/framed_stream.hpp"
 
 namespace armsight::host {
@@ -105,6 +106,8 @@ std::unique_ptr<Camera> make_sim_camera(const std::string& address, const std::o
                                         net::Clock& clock) {
   try {
     return std::make_unique<SimCamera>(address, intrinsics, clock);
+  } catch (const ConfigError&) {
+    throw;
   } catch (const CameraLost&) {
     throw;
   } catch (const net::ClockLost&) {

@@ -1,15 +1,19 @@
 #include "host/session_files.hpp"
 
 #include <cstdio>
-#include <fstream>
+#include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "host/overlay.hpp"
+#include "protocol/atomic_file.hpp"
 #include "protocol/config_error.hpp"
 
 namespace armsight::host {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr const char* kProbe = ".writable";
 
 void make_folder(const fs::path& folder) {
   std::error_code error;
@@ -19,29 +23,38 @@ void make_folder(const fs::path& folder) {
 
 }  // namespace
 
-void write_atomically(const fs::path& file, std::string_view content) {
-  const fs::path beside = file.string() + ".new";
-  std::ofstream out(beside, std::ios::binary);
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  out.close();
-  if (!out) throw ConfigError(file.string() + ": cannot be written");
-  std::error_code error;
-  fs::rename(beside, file, error);
-  if (error) throw ConfigError(file.string() + ": cannot be written: " + error.message());
+void write_atomically(const fs::path& file, std::string_view content) try {
+  write_file_atomically(file, content);
+} catch (const std::runtime_error& error) {
+  throw ConfigError(error.what());
 }
 
 SessionFiles::SessionFiles(const fs::path& state, const std::string& verb) : state_(state), verb_(verb) {
-  make_folder(state_);
   make_folder(state_ / "images");
-  for (const fs::directory_entry& entry : fs::directory_iterator(state_ / "images")) {
-    if (entry.path().filename().string().starts_with(verb_ + "-")) fs::remove(entry.path());  // of an earlier run
+  try {  // a read-only folder shows now, not when the arm has moved
+    write_file_atomically(state_ / kProbe, {});
+    fs::remove(state_ / kProbe);
+  } catch (const std::runtime_error& error) {
+    throw ConfigError(std::string("--state: ") + error.what());
   }
 }
 
-void SessionFiles::save_result(std::string_view json) const { write_atomically(state_ / (verb_ + ".json"), json); }
+// Not before there is something new to keep: a run that ends early leaves the last one's pictures to its result.
+void SessionFiles::forget_last_run() {
+  if (std::exchange(has_forgotten_, true)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(state_ / "images")) {
+    if (entry.path().filename().string().starts_with(verb_ + "-")) fs::remove(entry.path());
+  }
+}
+
+void SessionFiles::save_result(std::string_view json) {
+  forget_last_run();
+  write_atomically(state_ / (verb_ + ".json"), json);
+}
 
 std::string SessionFiles::save_picture(const cv::Mat& picture) {
   if (picture.empty()) return {};
+  forget_last_run();
   char name[64];
   std::snprintf(name, sizeof name, "-%02zu.jpg", pictures_.size() + 1);
   const std::string relative = "images/" + verb_ + name;

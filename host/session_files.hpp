@@ -13,23 +13,27 @@ namespace armsight::host {
 
 class SessionFiles {
  public:
-  /// Makes the folder; throws ConfigError where it cannot. `verb` names the pictures and the result.
+  /// Makes the folder and tries to write there; throws ConfigError where it cannot. Nothing of the last run is touched
+  /// until there is something new. `verb` names the pictures and the result.
   SessionFiles(const std::filesystem::path& state, const std::string& verb);
 
   const std::filesystem::path& folder() const { return state_; }
   /// STATE/VERB.json. Throws ConfigError where it cannot be written.
-  void save_result(std::string_view json) const;
+  void save_result(std::string_view json);
   /// STATE/images/VERB-NN.jpg; answers the name relative to STATE, empty without a picture.
   std::string save_picture(const cv::Mat& picture);
   const std::vector<std::string>& pictures() const { return pictures_; }
 
  private:
+  void forget_last_run();
+
   std::filesystem::path state_;
   std::string verb_;
+  bool has_forgotten_ = false;
   std::vector<std::string> pictures_;
 };
 
-/// Writes beside `file`, then renames. Throws ConfigError.
+/// protocol/atomic_file.hpp's writer; throws ConfigError.
 void write_atomically(const std::filesystem::path& file, std::string_view content);
 
 }  // namespace armsight::host

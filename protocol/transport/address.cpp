@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "protocol/config_error.hpp"
 #include "protocol/transport/socket_stream.hpp"
 
 namespace armsight::net {
@@ -15,13 +16,13 @@ namespace armsight::net {
 asio::ip::tcp::endpoint resolve_tcp(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0)
-    throw std::runtime_error("address '" + address + "': must be HOST:PORT");
+    throw ConfigError("address '" + address + "': must be HOST:PORT");
   const std::string host = address.substr(0, colon);
   const std::string port = address.substr(colon + 1);
   std::uint16_t number = 0;
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
   if (error != std::errc{} || end != port.data() + port.size())
-    throw std::runtime_error("address '" + address + "': the port must be a number from 0 to 65535");
+    throw ConfigError("address '" + address + "': the port must be a number from 0 to 65535");
   asio::error_code failed;
   asio::ip::tcp::resolver resolver(socket_context());
   const auto found = resolver.resolve(asio::ip::tcp::v4(), host, port, failed);

@@ -1,4 +1,4 @@
-# Tests of the host's flows: planning, clocks, the grasp table.
+# Tests of the host's flows: planning, clocks, the grasp table, what a bad command line meets.
 add_armsight_test(host_app_tests LABEL unit
   SOURCES app_clock_alignment_test.cpp app_grasp_test.cpp app_look_files_test.cpp app_pose_planner_test.cpp
           app_run_test.cpp
