@@ -25,6 +25,7 @@ target_link_libraries(armsight_host_app
   PUBLIC armsight_core armsight_protocol armsight_schemas armsight_transport armsight_host_vision armsight_host_camera
          armsight_host_learn
   PRIVATE nlohmann_json::nlohmann_json armsight_warnings)
+target_compile_definitions(armsight_host_app PRIVATE ARMSIGHT_VERSION="${PROJECT_VERSION}")
 
 add_executable(host main.cpp)
 target_link_libraries(host PRIVATE armsight_host_app CLI11::CLI11 armsight_warnings)

@@ -44,7 +44,7 @@ std::unique_ptr<net::FramedStream> connect_arm(const std::string& address, net::
 HostIo::HostIo(const HostIoOptions& options, const RobotConfig& robot) : robot_(robot), clock_(make_clock(options)) {
   if (!options.camera_source.empty()) camera_ = make_camera(options.camera_source, options.intrinsics_file, *clock_);
   arm_ = std::make_unique<ArmLink>(connect_arm(options.arm_address, *clock_), *clock_,
-                                   ArmLinkOptions{"host 0.1.0", model_hash(robot), options.role});
+                                   ArmLinkOptions{"host " ARMSIGHT_VERSION, model_hash(robot), options.role});
 }
 
 HostIo::~HostIo() {

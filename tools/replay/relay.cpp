@@ -116,7 +116,7 @@ void Relay::Impl::open_file() {
   const ChannelId info_channel = writer->add_channel("/info", "armsight.wire.RecordingInfo");
   link = writer->add_channel("/link", "armsight.wire.LinkRecord");
   wire::RecordingInfo info;
-  info.set_program("link_record 0.1.0");
+  info.set_program("link_record " ARMSIGHT_VERSION);
   info.set_time_ns(to_ns(clock->now()));
   writer->write(info_channel, clock->now(), info.SerializeAsString());
 }
