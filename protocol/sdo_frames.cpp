@@ -11,6 +11,7 @@ namespace {
 // Command bytes. Expedited transfers with the size indicated: base | (4 - size) << 2 | 0b11.
 constexpr std::uint8_t kReadRequest = 0x40, kReadAnswer = 0x43, kWriteRequest = 0x23, kWriteAnswer = 0x60,
                        kAbort = 0x80;
+constexpr std::uint8_t kReadAnswerUnsized = 0x42;  ///< expedited, size not indicated: the asker knows it
 
 constexpr std::uint8_t sized(std::uint8_t base, std::uint8_t size) noexcept {
   return static_cast<std::uint8_t>(base | (4 - std::clamp<int>(size, 1, 4)) << 2);
@@ -79,7 +80,7 @@ std::optional<SdoWrite> decode_sdo_write(const CanFrame& f, std::uint8_t node) n
 }
 
 std::optional<SdoReadAnswer> decode_sdo_read_answer(const CanFrame& f, std::uint8_t node) noexcept {
-  const std::uint8_t size = size_of(f.data[0], kReadAnswer);
+  const std::uint8_t size = f.data[0] == kReadAnswerUnsized ? 4 : size_of(f.data[0], kReadAnswer);
   if (!is_sdo(f, kSdoAnswerBase, node) || size == 0) return std::nullopt;
   return SdoReadAnswer{object_of(f), cut(data_of(f), size), size};
 }

@@ -77,6 +77,14 @@ TEST(CanFrames, SdoRead) {
   EXPECT_EQ(decode_sdo_read(frame("603#4018100200000000"), 3)->object, (ObjectAddress{0x1018, 2}));
 }
 
+// npm's canopen answers four bytes so, and CiA 301 allows it.
+TEST(CanFrames, SdoReadAnswerWithoutItsSize) {
+  const auto answer = decode_sdo_read_answer({0x583, 8, {0x42, 0x00, 0x10, 0x00, 0x92, 0x01, 0x02, 0x00}}, 3);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->object, (ObjectAddress{0x1000, 0}));
+  EXPECT_EQ(answer->value, 0x00020192U);
+}
+
 TEST(CanFrames, SdoReadAnswerOfOneToFourBytes) {
   EXPECT_EQ(text(encode(SdoReadAnswer{{0x1001, 0}, 0xAB, 1}, 3)), "583#4F011000AB000000");
   EXPECT_EQ(text(encode(SdoReadAnswer{{0x6041, 0}, 0x1237, 2}, 3)), "583#4B41600037120000");

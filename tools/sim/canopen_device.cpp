@@ -47,6 +47,7 @@ void CanopenDevice::add_communication_objects() {
   fixed(0x1018, 3, 4, 1);
   fixed(0x1018, 4, 4, node_);
   free(0x1019, 0, 1, 0);
+  fixed(0x1029, 0, 1, 1);
   free(0x1029, 1, 1, 1);
   for (const std::uint16_t pdo : {kRpdo, kTpdo}) {
     const std::uint32_t id = (pdo == kRpdo ? kRpdo1Base : kTpdo1Base) + node_;
@@ -56,7 +57,10 @@ void CanopenDevice::add_communication_objects() {
     free(pdo, 5, 2, 0);
     const auto mapping = static_cast<std::uint16_t>(pdo + 0x200);
     for (std::uint8_t sub = 0; sub <= kMaxMapped; ++sub) free(mapping, sub, sub == 0 ? 1 : 4, 0);
-    free(static_cast<std::uint16_t>(pdo + 1), 1, 4, kInvalidPdo);  // the second PDO exists and stays off
+    const auto second = static_cast<std::uint16_t>(pdo + 1);  // exists and stays off
+    fixed(second, 0, 1, 1);
+    free(second, 1, 4, kInvalidPdo);
+    fixed(static_cast<std::uint16_t>(mapping + 1), 0, 1, 0);
   }
 }
 
