@@ -9,6 +9,7 @@ namespace {
 
 constexpr Duration kOwnHeartbeatPeriod = std::chrono::milliseconds(100);
 constexpr int kFailedCyclesLimit = 3;
+constexpr int kStateCycles = 10;
 constexpr double kAnswerShare = 0.6;           ///< of a period: the answers take 1.7 ms on the bus (controller.md §3.2)
 constexpr double kFastestJoint_rad_s = 10.0;   ///< above the actuator's 6 rad/s (specification §4.4)
 constexpr double kEncoderNoise_rad = 0.01;
@@ -23,6 +24,9 @@ NodeOptions node_options(const RobotConfig& robot, std::uint8_t node, double cou
   options.script.rpdo_deadline_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.rpdo_deadline_s));
   options.script.controller_heartbeat_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.heartbeat_s));
   options.counts_per_turn = counts_per_turn;
+  // Both watch each other with the same patience; a slow bus needs its cycles to show a state.
+  options.heartbeat_lost_after = seconds_to_duration(robot.controller.heartbeat_s);
+  options.state_timeout = std::max(options.state_timeout, kStateCycles * seconds_to_duration(robot.controller.period_s));
   return options;
 }
 

@@ -30,7 +30,7 @@ std::string fault_text(const Fault& f) {
     case FaultCode::kBusOff: return "the CAN interface is bus-off";
     case FaultCode::kNodeAbsent: return node + ": neither boot-up nor heartbeat nor answer";
     case FaultCode::kFeedbackMissing: return node + ": third TPDO1 missing in a row";
-    case FaultCode::kHeartbeatLost: return node + ": no heartbeat for 250 ms";
+    case FaultCode::kHeartbeatLost: return node + ": no heartbeat for " + std::to_string(f.detail) + " ms";
     case FaultCode::kSdoTimeout: return node + ": no answer to " + object(f) + " within 100 ms, three times";
     case FaultCode::kSdoAborted: return node + ": " + object(f) + " refused: " + sdo_abort_text(f.detail);
     case FaultCode::kWrongIdentity:

@@ -96,8 +96,9 @@ void Node::supervise(Time now, bool sync_answered) noexcept {
     latch(FaultCode::kFeedbackMissing);
   }
   if (phase_ == NodePhase::kStarting && now - *phase_since_ > kStartTimeout) latch(FaultCode::kFeedbackMissing);
-  if (phase_ == NodePhase::kReady && heartbeat_time_ && now - *heartbeat_time_ > kHeartbeatLostAfter)
-    latch(FaultCode::kHeartbeatLost);
+  if (phase_ == NodePhase::kReady && heartbeat_time_ && now - *heartbeat_time_ > options_.heartbeat_lost_after)
+    latch(FaultCode::kHeartbeatLost, {},
+          static_cast<std::uint32_t>(options_.heartbeat_lost_after / std::chrono::milliseconds(1)));
 }
 
 std::optional<CanFrame> Node::set_point(std::int32_t target_counts) const noexcept {

@@ -20,14 +20,14 @@ enum class NodePhase : std::uint8_t { kAbsent, kConfiguring, kStarting, kReady }
 struct NodeOptions {
   ScriptOptions script;
   double counts_per_turn = 0.0;  ///< 0: not compared (the hand)
+  Duration heartbeat_lost_after = std::chrono::milliseconds(250);
+  Duration state_timeout = std::chrono::milliseconds(200);  ///< each state of the power machine
 };
 
 class Node {
  public:
   static constexpr Duration kProbeAfter = std::chrono::milliseconds(300);
   static constexpr Duration kAbsentAfter = std::chrono::seconds(3);
-  static constexpr Duration kHeartbeatLostAfter = std::chrono::milliseconds(250);
-  static constexpr Duration kStateTimeout = std::chrono::milliseconds(200);
   static constexpr Duration kStartTimeout = std::chrono::milliseconds(500);
   static constexpr int kMissedFeedbackLimit = 3;
   static constexpr int kFeedbackToStart = 3;

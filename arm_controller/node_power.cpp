@@ -24,9 +24,9 @@ void Node::advance_power(Time now, PowerRequest power) noexcept {
   if (is_fault) latch_drive(FaultCode::kDriveFault);
   if (power != PowerRequest::kOn) was_enabled_ = false;
   const std::uint16_t before = controlword_;
-  controlword_ = command_for(fault_.is_set() ? PowerRequest::kQuickStop : power, state, now - state_since_ > kStateTimeout);
+  controlword_ = command_for(fault_.is_set() ? PowerRequest::kQuickStop : power, state, now - state_since_ > options_.state_timeout);
   if (controlword_ != before) state_since_ = now;  // the wait begins with the command
-  if (power == PowerRequest::kOn && !fault_.is_set()) supervise_power(state, now - state_since_ > kStateTimeout);
+  if (power == PowerRequest::kOn && !fault_.is_set()) supervise_power(state, now - state_since_ > options_.state_timeout);
 }
 
 void Node::supervise_power(DriveState state, bool state_is_old) noexcept {
