@@ -1,11 +1,14 @@
 // Prints the traffic of a CAN bus live as `candump -L` text: of the emulated bus or of a CAN interface.
 #include <csignal>
+#include <chrono>
 #include <cstdio>
+#include <vector>
 
 #include "arm_controller/emulated_bus.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "host/parse_flags.hpp"
 #include "protocol/candump.hpp"
+#include "protocol/transport/wait.hpp"
 
 namespace {
 
@@ -28,10 +31,11 @@ int listen_to_emulated(const std::string& path) {
 int listen_to_interface(const std::string& name) {
   const auto clock = armsight::net::make_monotonic_clock(std::chrono::milliseconds(1));
   const auto bus = armsight::arm::open_socket_can(name, *clock, armsight::arm::CanHears::kEverything);
+  const std::vector<int> descriptor{bus->descriptor()};
   armsight::arm::BusFrame frame;
   while (is_stopping == 0 && !bus->take_errors().lost) {
     while (bus->receive(frame)) print(name, frame);
-    clock->wait_next_cycle();
+    armsight::net::wait_and_flow(descriptor, std::chrono::milliseconds(200), nullptr);
   }
   return is_stopping != 0 ? 0 : 3;
 }

@@ -17,6 +17,7 @@ wanted_packages() {
     for section in "$@"; do
       [[ $section == "$current" ]] || continue
       [[ $condition == if-no-command ]] && command -v "$command" >/dev/null && continue
+      [[ $condition == if-no-file && -e $command ]] && continue
       printf '%s\n' "$name"
     done
   done <"$repository/tools/apt-packages.txt"
@@ -67,6 +68,12 @@ install_packages() {
     [[ $attempt -eq 1 ]] && say "apt-get failed; trying once more"
   done
   fail 1 "apt-get could not install: $missing (see its lines above)"
+}
+
+# ensure_peers: the CANopen nodes of npm that tools/hil's tests talk to, in build/peers. Without them those tests skip, or
+# fail with ARMSIGHT_REQUIRE_VCAN=1.
+ensure_peers() {
+  "$repository/tests/vcan/peers/install" "$repository/build/peers" || say "the CANopen peers could not be installed (see above)"
 }
 
 # build PRESET [TARGET...]: configures and builds build/PRESET; without targets everything.

@@ -1,0 +1,64 @@
+# Shared by the scripts of this folder; sourced. Arguments: BIN_FOLDER SOURCE_FOLDER WORK_FOLDER.
+programs=$1 source=$2 work=$3
+test_name=$(basename "$0" .sh)
+rate_hz=${ARMSIGHT_VCAN_RATE_HZ:-250} patience=${ARMSIGHT_VCAN_PATIENCE:-1}
+
+fail() { echo "$test_name: $1"; exit 1; }
+skip() {
+  [[ ${ARMSIGHT_REQUIRE_VCAN:-0} == 1 ]] && fail "$1"
+  echo "$test_name: SKIPPED: $1"
+  exit 77
+}
+needs_vcan() { [[ -e /sys/class/net/vcan0 ]] || skip "no vcan0 here: run tools/hil"; }
+
+# robot FILE: the shipped robot at the engine's rate.
+robot() {
+  awk -v rate="$rate_hz" -v patience="$patience" '
+    function least(a, b) { return a < b ? a : b }
+    /^  period_s:/ { $0 = "  period_s: " 1 / rate }
+    /^  rpdo_deadline_s:/ { $0 = "  rpdo_deadline_s: " least(1, 0.1 * patience) }
+    /^  heartbeat_s:/ { $0 = "  heartbeat_s: " least(5, 0.25 * patience) }
+    /^  lease_s:/ { $0 = "  lease_s: " least(1, 0.2 * patience) }
+    { print }' "$source/arm_controller/config/ego_right_arm.yaml" >"$1"
+}
+
+# begin NAME COMMAND...: in the background, its lines in NAME.log, its number in pid[NAME]; ended at the latest with the script.
+declare -A pid=()
+begin() {
+  local name=$1
+  shift
+  "$@" >"$work/$name.log" 2>"$work/$name.err" &
+  pid[$name]=$!
+}
+# end NAME [SIGNAL]: its exit code.
+end() {
+  local number=${pid[$1]}
+  unset "pid[$1]"
+  kill -s "${2:-TERM}" "$number"
+  wait "$number"
+}
+end_all() {
+  local name
+  for name in "${!pid[@]}"; do end "$name" KILL 2>/dev/null; done
+}
+trap end_all EXIT
+
+# await NAME PATTERN: until a line of its log holds the pattern.
+await() {
+  local i
+  for ((i = 0; i < 600 * patience; ++i)); do
+    grep -q "$2" "$work/$1.log" "$work/$1.err" && return 0
+    kill -0 "${pid[$1]}" 2>/dev/null || break
+    sleep 0.1
+  done
+  tail -n 5 "$work/$1.log" "$work/$1.err"
+  fail "$1 did not say '$2'"
+}
+
+begin_controller() {
+  mkdir -p "$work/controller"
+  begin arm_controller "$programs/arm_controller" --config "$work/robot.yaml" --listen 127.0.0.1:0 --state "$work/controller" --can vcan0
+  await arm_controller "listening on"
+  link=$(sed -n 's/^arm_controller: listening on //p' "$work/arm_controller.log")
+}
+host() { "$programs/host" --arm "$link" --state "$work/host" --robot "$work/robot.yaml" "$@"; }
