@@ -66,6 +66,8 @@ class ArmLink {
   std::optional<std::vector<double>> mean_reading(Time arm_from, Time arm_to) const;
 
   const ClockAlignment& alignment() const { return alignment_; }
+  /// Of the newest message: rises while the controller lives.
+  std::uint64_t last_received() const { return last_received_; }
 
  private:
   void take(const wire::Envelope& message, Time arrival);

@@ -1,5 +1,6 @@
 #include "host/host_io.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <utility>
@@ -12,6 +13,8 @@ namespace {
 constexpr Duration kPeriod = std::chrono::milliseconds(4);     // the host's cycle at real pace
 constexpr Duration kConnectTimeout = std::chrono::seconds(5);
 constexpr Duration kAnswerTimeout = std::chrono::seconds(1);
+constexpr Duration kSilence = std::chrono::seconds(1);         // it tells its state every 20 ms
+constexpr Duration kLongestStep = std::chrono::milliseconds(20);
 constexpr Duration kAlignTimeout = std::chrono::seconds(20);
 constexpr Duration kAlignBound = std::chrono::milliseconds(2);
 constexpr Duration kHoldTimeout = std::chrono::seconds(30);    // enabling six drives takes some seconds
@@ -57,6 +60,7 @@ HostIo::~HostIo() {
 Time HostIo::step() {
   const Time now = clock_->wait_next_cycle();
   arm_->receive();
+  watch_silence(now);
   frame_.reset();
   if (camera_) frame_ = camera_->poll();
   arm_->heartbeat();
@@ -67,6 +71,15 @@ Time HostIo::step() {
     throw Interrupted();
   }
   return now;
+}
+
+// A step that took long was this program's own absence, not the controller's: it counts as one cycle or so.
+void HostIo::watch_silence(Time now) {
+  const bool is_heard = arm_->last_received() != heard_;
+  silence_ = is_heard ? Duration::zero() : silence_ + std::min(now - last_step_, kLongestStep);
+  heard_ = arm_->last_received();
+  last_step_ = now;
+  if (arm_->hello() && silence_ > kSilence) throw PeerLost("arm controller: silent for 1 s, though the connection is open");
 }
 
 bool HostIo::wait_until(const std::function<bool()>& claim, Duration timeout) {

@@ -71,6 +71,8 @@ class HostIo {
 
  private:
   CommandOutcome ask(wire::Envelope message);
+  /// A link whose other end stands still or has lost power is never closed: silence ends it. Throws PeerLost.
+  void watch_silence(Time now);
 
   const RobotConfig& robot_;
   std::unique_ptr<net::Clock> clock_;  // first in, last out: the streams count on it
@@ -78,6 +80,9 @@ class HostIo {
   std::unique_ptr<ArmLink> arm_;
   std::optional<Frame> frame_;
   bool has_had_lease_ = false;
+  Time last_step_{};
+  std::uint64_t heard_ = 0;       ///< the link's newest sequence number at last_step_
+  Duration silence_{};
 };
 
 /// Ctrl-C and SIGTERM from now on end the next step() with Interrupted, after Stop and Bye.

@@ -35,18 +35,21 @@ class ReportTest : public testing::Test {
 
   std::vector<MoveResult> moves(const std::string& name) {
     std::vector<MoveResult> out;
-    for (int i = 1; i <= 5; ++i) out.push_back(load_move(folder / ("move-" + name + "-" + std::to_string(i) + ".json")));
+    for (int i = 1; i <= 5; ++i)
+      out.push_back(load_move(folder / ("move-" + name + "-" + std::to_string(i) + ".json")));
     return out;
   }
 
-  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("armsight-report-" + std::to_string(getpid()));
+  std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("armsight-report-" + std::to_string(getpid()));
   RobotConfig robot = load_robot(kHome / "tools/experiments/demo_robot.yaml");
   Experiment experiment = load_experiment(kHome / "tools/experiments/chapter8.yaml", robot);
   SyntheticRun run{robot, experiment};
   Report report;
 
   void TearDown() override {
-    if (std::getenv("ARMSIGHT_KEEP_REPORT") != nullptr) std::ofstream(std::getenv("ARMSIGHT_KEEP_REPORT")) << to_html(report);
+    if (std::getenv("ARMSIGHT_KEEP_REPORT") != nullptr)
+      std::ofstream(std::getenv("ARMSIGHT_KEEP_REPORT")) << to_html(report);
     std::filesystem::remove_all(folder);
   }
 };
@@ -60,14 +63,16 @@ TEST_F(ReportTest, HoldsOutAtLeastFortyPosturesAndSeesNoErrorInAnExactModel) {
 TEST_F(ReportTest, HeldOutErrorIsTheSizeOfAKnownShift) {
   LearnedModel shifted = report.calibrate.model;
   shifted.T_C_B.p.y() += 0.002;
-  const HeldOut held = evaluate_heldout(load_truth(folder / "truth.json"), shifted, report.calibrate.looks, robot, experiment);
+  const HeldOut held =
+      evaluate_heldout(load_truth(folder / "truth.json"), shifted, report.calibrate.looks, robot, experiment);
   EXPECT_NEAR(held.rms_mm, 2.0, 1e-6);
 }
 
 TEST_F(ReportTest, OffsetErrorsAreTakenAfterGaugeAlignmentAndNullWhereUnobservable) {
   ASSERT_EQ(report.parameters.beta_error_deg.size(), 5u);
   EXPECT_FALSE(report.parameters.beta_error_deg[0].has_value());
-  for (int i = 1; i < 5; ++i) EXPECT_NEAR(report.parameters.beta_error_deg[static_cast<std::size_t>(i)].value(), 0.0, 1e-9);
+  for (int i = 1; i < 5; ++i)
+    EXPECT_NEAR(report.parameters.beta_error_deg[static_cast<std::size_t>(i)].value(), 0.0, 1e-9);
   EXPECT_LT(report.parameters.camera.mm, 1e-6);
   EXPECT_LT(report.parameters.camera.deg, 1e-5);
 }
@@ -98,15 +103,18 @@ TEST_F(ReportTest, WritesTheKeysThatProgramsRelyOn) {
   EXPECT_EQ(j.at("adapt").at("after_looks_mm").size(), 6u);
   EXPECT_EQ(j.at("calibrate").at("looks"), 20);
   EXPECT_TRUE(j.at("calibrate").at("beta_error_deg").at(0).is_null());
-  for (const char* key : {"heldout_rms_mm", "heldout_rms_deg", "solve_ms", "rank", "unobservable"}) EXPECT_TRUE(j.at("calibrate").contains(key)) << key;
-  for (const char* key : {"rate_hz", "tick_us_p50", "tick_us_p999", "missed"}) EXPECT_TRUE(j.at("controller").contains(key)) << key;
+  for (const char* key : {"heldout_rms_mm", "heldout_rms_deg", "solve_ms", "rank", "unobservable"})
+    EXPECT_TRUE(j.at("calibrate").contains(key)) << key;
+  for (const char* key : {"rate_hz", "tick_us_p50", "tick_us_p999", "missed"})
+    EXPECT_TRUE(j.at("controller").contains(key)) << key;
   EXPECT_EQ(j.at("programs").at("arm_controller").at("version"), "0.1.0");
   EXPECT_TRUE(j.at("grasp").at("with_filter").at("success").get<bool>());
 }
 
 TEST_F(ReportTest, HtmlNeedsNothingFromElsewhere) {
   const std::string html = to_html(report);
-  for (const char* outside : {"src=\"http", "href=\"http", "@import", "url("}) EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  for (const char* outside : {"src=\"http", "href=\"http", "@import", "url("})
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
   EXPECT_EQ(html.find("nan"), std::string::npos);
 }
 

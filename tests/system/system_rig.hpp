@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "tools/report/demo_session.hpp"
 
 namespace armsight::demo {
@@ -33,13 +35,27 @@ class SystemTest : public testing::Test {
     ASSERT_FALSE(conductor().find("host")->exit_code()) << "the move was over too soon";
   }
 
+  /// EMCY of the arm's nodes on the bus so far: 081 to 086, code not zero.
+  int emergencies() const {
+    std::ifstream log(folder_ / "sim/bus.log");
+    int count = 0;
+    for (std::string line; std::getline(log, line);) {
+      const auto at = line.find(" 08");
+      const bool is_emergency = at != std::string::npos && line.size() > at + 9 && line[at + 3] >= '1' &&
+                                line[at + 3] <= '6' && line.compare(at + 5, 4, "0000") != 0;
+      count += is_emergency ? 1 : 0;
+    }
+    return count;
+  }
+
   void TearDown() override {
     arm_.reset();
     if (!HasFailure()) std::filesystem::remove_all(folder_);
     else std::printf("left for inspection: %s\n", folder_.c_str());
   }
 
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / ("armsight-system-" + std::to_string(getpid()));
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("armsight-system-" + std::to_string(getpid()));
   std::unique_ptr<RunningArm> arm_;
 };
 

@@ -44,8 +44,9 @@ class WholeJob : public SystemTest {
     std::string output;
     const fs::path report = folder_ / name;
     fs::create_directories(folder_);
-    const int code = run_to_end({(options.programs / "demo_run").string(), "--home", options.home.string(), "--seed", "1", "--noise", "nominal",
-                                 "--report", report.string()}, output);
+    const int code = run_to_end({(options.programs / "demo_run").string(), "--home", options.home.string(), "--seed",
+                                 "1", "--noise", "nominal", "--report", report.string()},
+                                output);
     EXPECT_EQ(code, 0) << output;
     std::ifstream in(report / "report.json");
     EXPECT_TRUE(fs::exists(report / "report.html"));
@@ -68,7 +69,8 @@ TEST_F(WholeJob, MeetsItsFiguresAndGivesTheSameReportUnderLoad) {
   EXPECT_LE(median(with), 2.5);
   EXPECT_GE(median(without), 3 * median(with)) << "the drift must be worth a filter";
   EXPECT_TRUE(quiet["grasp"]["with_filter"]["success"].get<bool>());
-  for (const char* filter : {"with_filter", "without_filter"}) EXPECT_TRUE(quiet["grasp"][filter]["verdict_agrees_with_truth"].get<bool>()) << filter;
+  for (const char* filter : {"with_filter", "without_filter"})
+    EXPECT_TRUE(quiet["grasp"][filter]["verdict_agrees_with_truth"].get<bool>()) << filter;
   EXPECT_EQ(quiet["controller"]["missed"], 0);
   for (const char* run : {"quiet", "loaded"}) {
     for (const auto& entry : fs::directory_iterator(folder_ / run / "run/controller"))
