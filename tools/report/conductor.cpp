@@ -1,18 +1,14 @@
 #include "tools/report/conductor.hpp"
 
 #include <poll.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 
-#include "protocol/sim_clock.pb.h"
+#include "tools/report/patience.hpp"
 
 namespace armsight::demo {
 
@@ -20,19 +16,7 @@ volatile std::sig_atomic_t Conductor::is_interrupted = 0;
 
 namespace {
 
-constexpr int kStartPatience_ms = 120'000;  // in tools/hil's guest on a busy machine the host takes 40 s to start
 constexpr int kExitPatience_ms = 10'000;
-constexpr int kPoll_ms = 100;
-
-/// Wall-clock patience: the only use of the machine's clock here, and only to give up.
-class Patience {
- public:
-  explicit Patience(int limit_ms) : end_(std::chrono::steady_clock::now() + std::chrono::milliseconds(limit_ms)) {}
-  bool is_over() const { return std::chrono::steady_clock::now() > end_; }
-
- private:
-  std::chrono::steady_clock::time_point end_;
-};
 
 }  // namespace
 
@@ -71,27 +55,6 @@ std::string Conductor::start_server(const std::string& name, const std::vector<s
     if (child.exit_code()) lose(child, "ended while starting");
     if (patience.is_over()) lose(child, "did not come up within 120 s");
   }
-}
-
-void Conductor::join_clock(const std::filesystem::path& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.string().size() >= sizeof address.sun_path) throw ProgramLost("socket path too long: " + path.string());
-  std::memcpy(address.sun_path, path.c_str(), path.string().size() + 1);
-  clock_ = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (connect(clock_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    throw ProgramLost("cannot join the simulated clock at " + path.string() + ": " + std::strerror(errno));
-  }
-  wire::SimClockMessage message;
-  message.mutable_join()->set_name("demo");
-  message.mutable_join()->set_role(wire::SIM_ROLE_CONDUCTOR);
-  send(message);
-  const Patience patience(kStartPatience_ms);
-  while (!is_welcome_) {
-    attend(kPoll_ms);
-    if (patience.is_over()) throw ProgramLost("arm_sim does not answer on its clock");
-  }
-  hold();
 }
 
 ChildProcess& Conductor::start(const std::string& name, const std::vector<std::string>& command) {
@@ -165,58 +128,11 @@ void Conductor::kill(const std::string& name) {
   });
 }
 
-void Conductor::inject_drift() {
-  wire::SimClockMessage message;
-  message.mutable_inject_drift();
-  request(message, "the drift");
-}
-
-void Conductor::finish(const std::filesystem::path& truth_file) {
-  servers_.clear();  // without a clock they end
-  wire::SimClockMessage message;
-  message.mutable_finish()->set_truth_file(truth_file.string());
-  request(message, "the truth");
-}
-
-double Conductor::time_s() const {
-  if (is_lockstep_) return static_cast<double>(cycle_) * period_s_;
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 ChildProcess* Conductor::find(const std::string& name) {
   for (const auto& child : children_) {
     if (child->name() == name) return child.get();
   }
   return nullptr;
-}
-
-void Conductor::request(const wire::SimClockMessage& message, const std::string& what) {
-  hold();
-  is_answered_ = false;
-  send(message);
-  const Patience patience(kStartPatience_ms);
-  while (!is_answered_) {
-    if (patience.is_over() || is_clock_lost_) throw ProgramLost("arm_sim does not answer when asked for " + what);
-    attend(kPoll_ms);
-  }
-  if (!answer_error_.empty()) throw std::runtime_error("arm_sim refused " + what + ": " + answer_error_);
-}
-
-void Conductor::hold() {
-  if (!is_lockstep_ || clock_ < 0) return;
-  const Patience patience(60'000);
-  while (!is_grant_pending_) {
-    attend(kPoll_ms);
-    if (patience.is_over()) throw ProgramLost("the simulated clock stands still since cycle " + std::to_string(cycle_));
-  }
-}
-
-void Conductor::release() {
-  if (!is_grant_pending_) return;
-  is_grant_pending_ = false;
-  wire::SimClockMessage message;
-  message.mutable_done()->set_cycle(cycle_);
-  send(message);
 }
 
 void Conductor::wait_for_exit(ChildProcess& child) {
@@ -226,43 +142,6 @@ void Conductor::wait_for_exit(ChildProcess& child) {
     if (patience.is_over()) lose(child, "left the clock but does not end");
   }
   attend(0);
-}
-
-void Conductor::send(const wire::SimClockMessage& message) {
-  const std::string frame = wire::encode_frame(wire::FrameType::kSimClock, message.SerializeAsString());
-  for (std::size_t sent = 0; sent < frame.size();) {
-    const ssize_t n = ::send(clock_, frame.data() + sent, frame.size() - sent, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      is_clock_lost_ = true;
-      return;  // attend() says which program is gone
-    }
-    sent += static_cast<std::size_t>(n);
-  }
-}
-
-void Conductor::take_clock_messages() {
-  std::array<char, 4096> bytes{};
-  const ssize_t n = recv(clock_, bytes.data(), bytes.size(), MSG_DONTWAIT);
-  if (n < 0) return;
-  std::vector<std::string> payloads;
-  if (n == 0 || !decoder_.feed({bytes.data(), static_cast<std::size_t>(n)}, payloads)) is_clock_lost_ = true;
-  for (const std::string& payload : payloads) {
-    wire::SimClockMessage message;
-    if (!message.ParseFromString(payload)) continue;
-    if (message.has_welcome()) {
-      is_welcome_ = true;
-      period_s_ = 1e-9 * static_cast<double>(message.welcome().period_ns());
-      is_lockstep_ = message.welcome().pace() == wire::SIM_PACE_LOCKSTEP;
-    } else if (message.has_grant()) {
-      is_grant_pending_ = true;
-      cycle_ = message.grant().cycle();
-      participants_ = message.grant().participants();
-    } else if (message.has_ok()) {
-      is_answered_ = true;
-      answer_error_ = message.ok().error();
-    }
-  }
 }
 
 void Conductor::attend(int timeout_ms, bool must_servers_live) {

@@ -8,7 +8,6 @@
 namespace armsight::sim {
 namespace {
 
-constexpr double kNear = 0.03;        // m, what is nearer is not drawn
 constexpr int kPrintSamples = 64;     // a pixel with a print's edge: 1/64 px steps even for edges along the rows
 constexpr int kEdgeSamples = 8;
 
@@ -23,17 +22,6 @@ double second_coordinate(int i, int n) {
   return value + 0.5 / n - 0.5;
 }
 double first_coordinate(int i, int n) { return (i + 0.5) / n - 0.5; }
-
-}  // namespace
-
-namespace {
-
-Matrix3 tube_outline(const Matrix3& R_S_C, const Vector3& o_S, double radius) {
-  const Vector3 flat(o_S.x(), o_S.y(), 0.0);
-  const double c = flat.squaredNorm() - radius * radius;
-  const Matrix3 form = flat * flat.transpose() - c * Matrix3(Vector3(1.0, 1.0, 0.0).asDiagonal());
-  return R_S_C.transpose() * form * R_S_C;
-}
 
 /// Print under the ray, if the point lies on the printed face.
 std::optional<bool> module_at(const Shape& shape, int part, const Vector3& d_C) {
@@ -54,32 +42,6 @@ double RayCaster::Posed::distance(const Vector3& d_C) const {
   return meet(shape, o_S, R_S_C * d_C);
 }
 
-RayCaster::RayCaster(const host::Intrinsics& intrinsics)
-    : intrinsics_(intrinsics),
-      rays_(intrinsics.height, intrinsics.width, CV_32FC2),
-      nearest_(intrinsics.height, intrinsics.width, CV_32FC1),
-      surface_(intrinsics.height, intrinsics.width, CV_16UC1, cv::Scalar(0)),
-      spans_(static_cast<std::size_t>(intrinsics.height)) {
-  for (int row = 0; row < rays_.rows; ++row) {
-    for (int column = 0; column < rays_.cols; ++column) {
-      const Eigen::Vector2d xy = host::undistort(intrinsics, cv::Point2d(column, row));
-      rays_.at<cv::Vec2f>(row, column) = {static_cast<float>(xy.x()), static_cast<float>(xy.y())};
-    }
-  }
-}
-
-Vector3 RayCaster::ray(int row, int column) const {
-  const cv::Vec2f& xy = rays_.at<cv::Vec2f>(row, column);
-  return {static_cast<double>(xy[0]), static_cast<double>(xy[1]), 1.0};
-}
-
-/// Linear between pixel centres: the lens bends nothing visible inside one pixel.
-Vector3 RayCaster::ray(double sub_column, double sub_row, int row, int column) const {
-  const int c = std::clamp(column, 1, rays_.cols - 2), r = std::clamp(row, 1, rays_.rows - 2);
-  const Vector3 across = 0.5 * (ray(r, c + 1) - ray(r, c - 1)), down = 0.5 * (ray(r + 1, c) - ray(r - 1, c));
-  return ray(row, column) + sub_column * across + sub_row * down;
-}
-
 void RayCaster::draw_room(const Stage& stage, Canvas& canvas) const {
   canvas.grey.create(rays_.size(), CV_32FC1);
   canvas.depth.create(rays_.size(), CV_32FC1);
@@ -87,54 +49,6 @@ void RayCaster::draw_room(const Stage& stage, Canvas& canvas) const {
   for (int row = 0; row < rays_.rows; ++row) {
     for (int column = 0; column < rays_.cols; ++column) {
       canvas.grey.at<float>(row, column) = static_cast<float>(shade_room(stage, ray(row, column)));
-    }
-  }
-}
-
-/// Pixels the shape can cover: around its box, cut at the near plane.
-cv::Rect RayCaster::window_of(const Shape& shape) const {
-  const cv::Rect picture(0, 0, rays_.cols, rays_.rows);
-  const std::array<Vector3, 8> corners = bounds_C(shape);
-  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
-  const auto take = [&](const Vector3& p) {
-    // Points far out of the picture need no lens, whose polynomial folds back out there.
-    const double x = std::clamp(p.x() / p.z(), -1.5, 1.5), y = std::clamp(p.y() / p.z(), -1.2, 1.2);
-    const cv::Point2d pixel(intrinsics_.fx * x + intrinsics_.cx, intrinsics_.fy * y + intrinsics_.cy);
-    const Eigen::Vector2d bent = host::distort(intrinsics_, {x, y});
-    const cv::Point2d seen(intrinsics_.fx * bent.x() + intrinsics_.cx, intrinsics_.fy * bent.y() + intrinsics_.cy);
-    left = std::min({left, pixel.x, seen.x});
-    right = std::max({right, pixel.x, seen.x});
-    top = std::min({top, pixel.y, seen.y});
-    bottom = std::max({bottom, pixel.y, seen.y});
-  };
-  bool is_before = false;
-  for (std::size_t i = 0; i < 8; ++i) {
-    if (corners[i].z() >= kNear) {
-      is_before = true;
-      take(corners[i]);
-    }
-    for (const std::size_t bit : {1U, 2U, 4U}) {  // edges of the box that pass the near plane
-      const Vector3 &a = corners[i], &b = corners[i ^ bit];
-      if (a.z() >= kNear && b.z() < kNear) take(a + (a.z() - kNear) / (a.z() - b.z()) * (b - a));
-    }
-  }
-  if (!is_before) return {};
-  const int x0 = static_cast<int>(std::floor(left)) - 2, y0 = static_cast<int>(std::floor(top)) - 2;
-  return cv::Rect(x0, y0, static_cast<int>(right) - x0 + 4, static_cast<int>(bottom) - y0 + 4) & picture;
-}
-
-void RayCaster::place(std::vector<Shape> shapes) {
-  posed_.clear();
-  std::fill(spans_.begin(), spans_.end(), Span{rays_.cols, 0});
-  for (Shape& shape : shapes) {
-    const cv::Rect window = window_of(shape);
-    if (window.empty() && !shape.print) continue;  // printed ones stay, so that reprint() can count them
-    const Pose T_S_C = shape.T_C_S.inverse();
-    const Matrix3 outline_C = tube_outline(T_S_C.R, T_S_C.p, shape.size.x());
-    posed_.push_back({std::move(shape), T_S_C.R, T_S_C.p, window, outline_C});
-    for (int row = window.y; row < window.br().y; ++row) {
-      Span& span = spans_[static_cast<std::size_t>(row)];
-      span = {std::min(span.begin, window.x), std::max(span.end, window.br().x)};
     }
   }
 }
@@ -178,7 +92,8 @@ bool RayCaster::is_uniform(int row, int column) const {
   const std::uint16_t* line = surface_.ptr<std::uint16_t>(row) + column;
   const std::ptrdiff_t down = surface_.cols;
   unsigned difference = 0;
-  for (const std::ptrdiff_t at : {-down - 1, -down, -down + 1, std::ptrdiff_t{-1}, std::ptrdiff_t{1}, down - 1, down, down + 1}) {
+  for (const std::ptrdiff_t at :
+       {-down - 1, -down, -down + 1, std::ptrdiff_t{-1}, std::ptrdiff_t{1}, down - 1, down, down + 1}) {
     difference |= static_cast<unsigned>(line[at] ^ line[0]);
   }
   return difference == 0;
@@ -194,7 +109,8 @@ RayCaster::Meeting RayCaster::meeting_at(int row, int column) const {
       meeting.has_print = meeting.has_print || (line[c] - 1) % kSurfaces >= kBlack;
       const int shape = (line[c] - 1) / kSurfaces;
       const auto end = meeting.shapes.begin() + meeting.count;
-      if (std::find(meeting.shapes.begin(), end, shape) == end) meeting.shapes[static_cast<std::size_t>(meeting.count++)] = shape;
+      if (std::find(meeting.shapes.begin(), end, shape) == end)
+        meeting.shapes[static_cast<std::size_t>(meeting.count++)] = shape;
     }
   }
   return meeting;
@@ -248,7 +164,8 @@ void RayCaster::draw(const Stage& stage, std::vector<Shape> shapes, const Canvas
   for (int row = 0; row < rays_.rows; ++row) {
     const Span& span = spans_[static_cast<std::size_t>(row)];
     float* grey = canvas.grey.ptr<float>(row);
-    for (int column = span.begin; column < span.end; ++column) shade_pixel(stage, background, row, column, grey[column]);
+    for (int column = span.begin; column < span.end; ++column)
+      shade_pixel(stage, background, row, column, grey[column]);
   }
   nearest_.copyTo(canvas.depth);
   list_printed();

@@ -29,6 +29,8 @@ class RayCaster {
                const Canvas& background, Canvas& canvas);
 
  private:
+  static constexpr double kNear = 0.03;  ///< m, what is nearer is not drawn
+
   struct Posed {
     Shape shape;
     Matrix3 R_S_C;
@@ -54,7 +56,8 @@ class RayCaster {
   void list_printed();
   bool is_uniform(int row, int column) const;
   Meeting meeting_at(int row, int column) const;
-  double mean_over_pixel(const Stage& stage, const Canvas& background, int row, int column, const Meeting& meeting) const;
+  double mean_over_pixel(const Stage& stage, const Canvas& background, int row, int column,
+                         const Meeting& meeting) const;
   void shade_pixel(const Stage& stage, const Canvas& background, int row, int column, float& grey) const;
 
   host::Intrinsics intrinsics_;

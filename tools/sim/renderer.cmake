@@ -4,6 +4,7 @@ add_library(armsight_sim_render STATIC
   ${CMAKE_CURRENT_LIST_DIR}/optics.cpp
   ${CMAKE_CURRENT_LIST_DIR}/printed_marker.cpp
   ${CMAKE_CURRENT_LIST_DIR}/ray_caster.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/ray_caster_placement.cpp
   ${CMAKE_CURRENT_LIST_DIR}/renderer.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene.cpp
   ${CMAKE_CURRENT_LIST_DIR}/shading.cpp

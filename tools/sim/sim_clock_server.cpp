@@ -1,74 +1,16 @@
-#include "tools/sim/sim_clock_server.hpp"
-
 #include <algorithm>
 #include <cstdio>
-#include <map>
-#include <mutex>
 
-#include "protocol/sim_clock.pb.h"
-#include "protocol/transport/framed_stream.hpp"
+#include "tools/sim/sim_clock_server_impl.hpp"
 
 namespace armsight::sim {
 
 namespace {
 
-using net::ChannelKey;
-using net::ChannelKind;
-using Totals = std::map<ChannelKey, std::uint64_t>;
-
 const net::StreamOptions kStreamOptions{wire::FrameType::kSimClock, wire::kMaxSimClock, wire::kMaxSimClock,
                                         1024 * 1024};
 
-enum class Phase { kJoined, kWorking, kDone, kLeaving };
-
-struct Participant {
-  std::unique_ptr<net::FramedStream> stream;
-  std::uint32_t id = 0;              ///< 0: has not said Join yet
-  wire::SimRole role = wire::SIM_ROLE_UNSPECIFIED;
-  std::string name;
-  net::Crystal crystal;
-  Phase phase = Phase::kJoined;
-  Totals sent;                       ///< as reported with Done, since joining
-  Totals handed_on;                  ///< of these, what became due somewhere
-};
-
 }  // namespace
-
-struct SimClockServer::Impl {
-  SimClockOptions options;
-  Wishes wishes;
-  ServerClock clock;
-  net::MonotonicClock stream_clock{net::Crystal{}, std::chrono::milliseconds(1)};
-  std::unique_ptr<net::Listener> listener;
-  std::vector<Participant> participants;
-  std::uint32_t last_id = 0;
-  std::uint32_t last_controller = 0;
-  std::uint64_t cycle = 0;
-  bool is_finished = false;
-  std::map<std::uint32_t, std::map<ChannelKey, std::vector<Time>>> next_arrivals;  ///< receiver → (kind, sender) → when
-  mutable std::mutex crystals_mutex;
-  std::map<std::uint32_t, net::Crystal> crystals;  ///< also of those that left: late frames are still theirs
-
-  Impl(const SimClockOptions& o, Wishes w)
-      : options(o), wishes(std::move(w)), clock(o.is_lockstep), listener(net::listen_unix(o.path)) {
-    clock.set_now(time_from_ns(kFirstTime_ns));
-  }
-
-  void serve();
-  void handle(Participant& from, const std::string& payload);
-  void welcome(Participant& joiner, const wire::Join& join);
-  void take_totals(Participant& from, const wire::Done& done);
-  void answer(Participant& to, const std::string& error);
-  void drop_closed();
-  void grant_all();
-  void grant(Participant& to);
-  void hand_on();
-  void hand_on_from(Participant& sender);
-  std::uint32_t controller() const;
-  std::size_t joined() const;
-  bool all_are(std::initializer_list<Phase> phases) const;
-  std::vector<int> descriptors() const;
-};
 
 std::uint32_t SimClockServer::Impl::controller() const {
   std::uint32_t id = 0;
@@ -82,7 +24,7 @@ std::size_t SimClockServer::Impl::joined() const {
       std::count_if(participants.begin(), participants.end(), [](const Participant& p) { return p.id != 0; }));
 }
 
-bool SimClockServer::Impl::all_are(std::initializer_list<Phase> phases) const {
+bool SimClockServer::Impl::all_are(std::initializer_list<ParticipantPhase> phases) const {
   return std::all_of(participants.begin(), participants.end(), [phases](const Participant& p) {
     return p.id == 0 || std::find(phases.begin(), phases.end(), p.phase) != phases.end();
   });
@@ -113,7 +55,7 @@ void SimClockServer::Impl::handle(Participant& from, const std::string& payload)
   if (message.has_done()) return take_totals(from, message.done());
   if (message.has_leave()) {
     if (message.leave().has_last()) take_totals(from, message.leave().last());
-    from.phase = Phase::kLeaving;
+    from.phase = ParticipantPhase::kLeaving;
     return;
   }
   const bool may_wish = from.role == wire::SIM_ROLE_CONDUCTOR;
@@ -149,10 +91,11 @@ void SimClockServer::Impl::welcome(Participant& joiner, const wire::Join& join) 
 }
 
 void SimClockServer::Impl::take_totals(Participant& from, const wire::Done& done) {
-  if (from.phase != Phase::kWorking || done.cycle() != cycle) return from.stream->close("Done of another cycle");
+  if (from.phase != ParticipantPhase::kWorking || done.cycle() != cycle)
+    return from.stream->close("Done of another cycle");
   for (const wire::ChannelCount& count : done.sent())
     from.sent[{static_cast<ChannelKind>(count.kind()), count.peer()}] = count.total();
-  from.phase = Phase::kDone;
+  from.phase = ParticipantPhase::kDone;
 }
 
 void SimClockServer::Impl::answer(Participant& to, const std::string& error) {
@@ -164,60 +107,13 @@ void SimClockServer::Impl::answer(Participant& to, const std::string& error) {
 /// A connection that ends without Leave drops its participant at once; one that ends after it is no news.
 void SimClockServer::Impl::drop_closed() {
   std::erase_if(participants, [this](const Participant& p) {
-    if (p.phase == Phase::kLeaving) return !options.is_lockstep;  // in lockstep its last messages are still counted
+    if (p.phase == ParticipantPhase::kLeaving)
+      return !options.is_lockstep;  // in lockstep its last messages are still counted
     const bool is_dropped = !p.stream->is_open();
     if (is_dropped && p.id != 0)
       std::fprintf(stderr, "arm_sim: dropped %s: %s\n", p.name.c_str(), p.stream->close_reason().c_str());
     return is_dropped;
   });
-}
-
-void SimClockServer::Impl::grant_all() {
-  for (Participant& p : participants) {
-    if (p.id == 0) continue;
-    grant(p);
-    p.phase = Phase::kWorking;
-  }
-  next_arrivals.clear();
-}
-
-void SimClockServer::Impl::grant(Participant& to) {
-  wire::SimClockMessage message;
-  wire::Grant& grant = *message.mutable_grant();
-  grant.set_cycle(cycle);
-  grant.set_time_ns(to.crystal.to_own_ns(to_ns(clock.now())));
-  grant.set_arm_controller(controller());
-  grant.set_participants(static_cast<std::uint32_t>(joined()));
-  for (const auto& [channel, times] : next_arrivals[to.id]) {
-    wire::Arrivals& arrivals = *grant.add_arrivals();
-    arrivals.set_kind(static_cast<wire::ChannelKind>(channel.kind));
-    arrivals.set_peer(channel.peer);
-    for (const Time time : times) arrivals.add_time_ns(to.crystal.to_own_ns(to_ns(time)));
-  }
-  to.stream->send(message.SerializeAsString());
-}
-
-/// What was sent in this cycle becomes due: to arm_sim at once, to participants in their next cycle.
-void SimClockServer::Impl::hand_on() {
-  clock.account().begin_cycle();
-  for (Participant& p : participants) hand_on_from(p);
-  clock.account().finish_grant();
-  std::erase_if(participants, [](const Participant& p) { return p.phase == Phase::kLeaving; });
-}
-
-void SimClockServer::Impl::hand_on_from(Participant& sender) {
-  for (const auto& [channel, total] : sender.sent) {
-    std::uint64_t& handed_on = sender.handed_on[channel];
-    if (total <= handed_on) continue;
-    const std::size_t count = static_cast<std::size_t>(total - handed_on);
-    if (channel.peer == 0) {
-      for (std::size_t i = 0; i < count; ++i) clock.account().add_due({channel.kind, sender.id}, clock.now());
-    } else {
-      next_arrivals[channel.peer][{channel.kind, sender.id}] =
-          link_arrivals(options.seed, sender.id, channel.peer, handed_on, count, clock.now(), options.period);
-    }
-    handed_on = total;
-  }
 }
 
 SimClockServer::SimClockServer(const SimClockOptions& options, Wishes wishes)
@@ -234,7 +130,8 @@ bool SimClockServer::run_participants(const std::function<bool()>& is_stopping) 
     if (!is_granted && impl_->joined() > 0) {
       impl_->grant_all();
       is_granted = true;
-    } else if (is_granted && impl_->all_are({Phase::kDone, Phase::kLeaving, Phase::kJoined})) {
+    } else if (is_granted &&
+               impl_->all_are({ParticipantPhase::kDone, ParticipantPhase::kLeaving, ParticipantPhase::kJoined})) {
       impl_->hand_on();
       return true;
     }
@@ -242,16 +139,6 @@ bool SimClockServer::run_participants(const std::function<bool()>& is_stopping) 
     net::wait_and_flow(impl_->descriptors(), std::chrono::milliseconds(200), &impl_->clock);
   }
   return false;
-}
-
-void SimClockServer::end_cycle() {
-  ++impl_->cycle;
-  const auto cycles = static_cast<std::int64_t>(impl_->cycle);
-  impl_->clock.set_now(time_from_ns(kFirstTime_ns) + cycles * impl_->options.period);
-  for (const auto& [channel, times] : impl_->clock.take_arrivals()) {
-    std::vector<Time>& due = impl_->next_arrivals[channel.peer][{channel.kind, 0}];
-    due.insert(due.end(), times.begin(), times.end());
-  }
 }
 
 void SimClockServer::serve() { impl_->serve(); }
