@@ -19,7 +19,9 @@ void add_options(CLI::App& app, DemoOptions& options) {
   app.add_option("--seed", options.seed, "which robot, camera mount and noise")->capture_default_str();
   app.add_option("--report", options.report_dir, "folder for report.html and report.json (default HOME/out/demo)");
   app.add_option("--robot", options.robot_file, "robot file (default HOME/tools/experiments/demo_robot.yaml)");
-  app.add_option("--noise", options.noise, "noise set")->check(CLI::IsMember({"clean", "nominal", "hard"}))->capture_default_str();
+  app.add_option("--noise", options.noise, "noise set")
+      ->check(CLI::IsMember({"clean", "nominal", "hard"}))
+      ->capture_default_str();
   app.add_option("--can", options.can_interface, "CAN interface instead of the emulated bus; implies --pace real");
   app.add_option("--pace", options.pace, "pace")->check(CLI::IsMember({"lockstep", "real"}))->capture_default_str();
   app.add_option("--home", options.home, "folder of the repository")->check(CLI::ExistingDirectory);
@@ -51,8 +53,10 @@ int conclude(const Report& r, const DemoOptions& options) {
   write(options.report_dir / "report.json", to_json(r));
   write(options.report_dir / "report.html", to_html(r));
   std::printf("demo: Learn: held-out hand pose error %.2f mm, %.2f deg RMS\n", r.heldout.rms_mm, r.heldout.rms_deg);
-  std::printf("demo: Adapt: commanded poses %.2f mm without, %.2f mm with filter (median)\n", median_mm(r.without_filter), median_mm(r.with_filter));
-  for (const auto& [name, result, g] : {std::tuple{"without", &r.grasp_without, &r.without_grasp}, {"with", &r.grasp_with, &r.with_grasp}}) {
+  std::printf("demo: Adapt: commanded poses %.2f mm without, %.2f mm with filter (median)\n",
+              median_mm(r.without_filter), median_mm(r.with_filter));
+  for (const auto& [name, result, g] :
+       {std::tuple{"without", &r.grasp_without, &r.without_grasp}, {"with", &r.grasp_with, &r.with_grasp}}) {
     std::printf("demo: Act: grasp %s filter: %s", name, g->is_success ? "held" : "not held");
     if (g->was_closed) std::printf(" (%.2f mm, %.2f deg)", g->error.mm, g->error.deg);
     std::printf("%s%s\n", result->why.empty() ? "" : ": ", result->why.c_str());

@@ -47,7 +47,8 @@ void extract(const replay::LinkFile& file, const RobotConfig& robot, const std::
   info.set_robot(robot.robot);
   writer.write(info_channel, time_from_ns(info.time_ns()), info.SerializeAsString());
   for (const wire::LinkRecord& record : file.messages)
-    if (replay::is_of_the_filter(record)) writer.write(link, time_from_ns(record.time_ns()), record.SerializeAsString());
+    if (replay::is_of_the_filter(record))
+      writer.write(link, time_from_ns(record.time_ns()), record.SerializeAsString());
   writer.close();
   if (!writer.is_good()) throw ConfigError("--extract " + path + ": writing failed");
 }
@@ -87,9 +88,11 @@ int run(const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Puts a recording's looks through the filter and holds the result against the golden table.", "ekf_replay");
+  CLI::App app("Puts a recording's looks through the filter and holds the result against the golden table.",
+               "ekf_replay");
   Flags flags;
-  app.add_option("FILE", flags.file, "recording with the link of an adapt: STATE/ticks.mcap or link_record's")->required();
+  app.add_option("FILE", flags.file, "recording with the link of an adapt: STATE/ticks.mcap or link_record's")
+      ->required();
   app.add_option("--golden", flags.golden, "the table; default golden/NAME.csv beside FILE");
   app.add_flag("--update", flags.update, "write the table instead");
   app.add_option("--robot", flags.robot, "robot file, where the recording holds none");

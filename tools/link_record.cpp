@@ -13,7 +13,8 @@ namespace {
 int run(const armsight::replay::RelayOptions& options) {
   armsight::replay::Relay relay(options);
   const std::string& listen = options.listen_address;
-  std::printf("link_record: listening on %s:%u\n", listen.substr(0, listen.rfind(':')).c_str(), static_cast<unsigned>(relay.port()));
+  std::printf("link_record: listening on %s:%u\n", listen.substr(0, listen.rfind(':')).c_str(),
+              static_cast<unsigned>(relay.port()));
   const auto messages = static_cast<unsigned long long>(relay.run());
   std::printf("link_record: %llu messages in %s\n", messages, options.file.c_str());
   return 0;
@@ -27,11 +28,13 @@ int fail(int code, const char* what) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Passes one host's link on to the arm controller, unchanged, and records both directions.", "link_record");
+  CLI::App app("Passes one host's link on to the arm controller, unchanged, and records both directions.",
+               "link_record");
   armsight::replay::RelayOptions options;
   options.listen_address = "127.0.0.1:0";
   app.add_option("--arm", options.arm_address, "ADDR:PORT of the arm controller")->required();
-  app.add_option("--listen", options.listen_address, "ADDR:PORT for the host, loopback; port 0: chosen and printed")->capture_default_str();
+  app.add_option("--listen", options.listen_address, "ADDR:PORT for the host, loopback; port 0: chosen and printed")
+      ->capture_default_str();
   app.add_option("--out", options.file, "the recording, an MCAP file")->required();
   if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);

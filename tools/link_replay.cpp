@@ -44,7 +44,8 @@ std::string result_line(std::size_t number, const replay::PlayResult& result) {
   char time[40];
   std::snprintf(time, sizeof time, "%.9f", 1e-9 * static_cast<double>(result.difference->arm_time_ns));
   const replay::FieldDifference& what = result.difference->what;
-  return connection + kDiffers + time + " s (arm clock), /link, " + what.field + ": recorded " + what.recorded + ", replayed " + what.replayed;
+  return connection + kDiffers + time + " s (arm clock), /link, " + what.field + ": recorded " + what.recorded +
+         ", replayed " + what.replayed;
 }
 
 std::vector<std::size_t> in_order_of_joining(const replay::LinkFile& file) {
@@ -75,7 +76,8 @@ std::vector<std::unique_ptr<ChildProcess>> start_others(const Flags& flags, cons
   return others;
 }
 
-int play_one(const replay::LinkFile& file, std::size_t index, const Flags& flags, net::Clock& clock, std::string& line) {
+int play_one(const replay::LinkFile& file, std::size_t index, const Flags& flags, net::Clock& clock,
+             std::string& line) {
   replay::LinkPlayer player(file.connections[index], flags.arm, clock);
   const replay::PlayResult result = player.play();
   line = result_line(index + 1, result);
@@ -111,7 +113,8 @@ int run(const Flags& flags) {
   const replay::LinkFile file = replay::load_link_file(flags.file);
   const bool is_alone = flags.connection != 0;
   if (is_alone && static_cast<std::size_t>(flags.connection) > file.connections.size())
-    return fail(2, "--connection " + std::to_string(flags.connection) + ": the recording holds " + std::to_string(file.connections.size()));
+    return fail(2, "--connection " + std::to_string(flags.connection) + ": the recording holds " +
+                       std::to_string(file.connections.size()));
   const std::vector<std::size_t> order = in_order_of_joining(file);
   std::unique_ptr<net::Clock> clock = join(flags);
   std::vector<std::string> lines(1);
@@ -132,12 +135,17 @@ int run(const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Sends a recording's messages to a fresh arm_controller on a simulated arm and compares its answers.", kName);
+  CLI::App app("Sends a recording's messages to a fresh arm_controller on a simulated arm and compares its answers.",
+               kName);
   Flags flags;
-  app.add_option("FILE", flags.file, "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's")->required();
+  app.add_option("FILE", flags.file,
+                 "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's")
+      ->required();
   app.add_option("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller")->required();
-  app.add_option("--clock", flags.clock, "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
-  app.add_option("--connection", flags.connection, "this one of the recorded connections only, from 1")->check(CLI::PositiveNumber);
+  app.add_option("--clock", flags.clock,
+                 "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
+  app.add_option("--connection", flags.connection, "this one of the recorded connections only, from 1")
+      ->check(CLI::PositiveNumber);
   if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
   if (!flags.clock.starts_with("sim:"))
     return fail(2, "--clock sim:PATH is needed: recordings are sent to a simulated arm only, never to a real one");

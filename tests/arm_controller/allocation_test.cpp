@@ -62,7 +62,8 @@ void fill(TickInbox& inbox, int cycle, Time now, const ArmRig& rig, const JointV
 struct Outcome {
   int accepted = 0, refused = 0, arrived = 0, fused = 0;
   void count(const Event& event) {
-    if (const auto* answer = std::get_if<AnswerEvent>(&event)) ++(answer->answer == Answer::kAccepted ? accepted : refused);
+    if (const auto* answer = std::get_if<AnswerEvent>(&event))
+      ++(answer->answer == Answer::kAccepted ? accepted : refused);
     if (const auto* goal = std::get_if<GoalEvent>(&event)) arrived += goal->state == GoalState::kArrived;
     if (const auto* look = std::get_if<FilterEvent>(&event)) fused += look->report.outcome == FusionOutcome::kFused;
   }

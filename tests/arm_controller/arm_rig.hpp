@@ -17,7 +17,8 @@ inline constexpr const char* kRobotFile = ARMSIGHT_SOURCE_DIR "/arm_controller/c
 inline RobotConfig nominal_robot() { return load_robot(kRobotFile); }
 
 inline StartModel nominal_start(const RobotConfig& robot) {
-  return {{0, robot.camera_hint_T_C_B, JointVector::Zero(robot.arm.joint_count())}, std::nullopt, ModelSource::kNominal};
+  return {
+      {0, robot.camera_hint_T_C_B, JointVector::Zero(robot.arm.joint_count())}, std::nullopt, ModelSource::kNominal};
 }
 
 /// Five joints bent a little, and the hand.

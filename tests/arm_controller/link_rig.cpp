@@ -86,11 +86,13 @@ std::unique_ptr<Peer> LinkRig::commander() {
 
 std::unique_ptr<Peer> LinkRig::powered_commander() {
   auto peer = commander();
-  EXPECT_TRUE(wait_for(*peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().mode() == wire::MODE_READY; }));
+  EXPECT_TRUE(
+      wait_for(*peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().mode() == wire::MODE_READY; }));
   wire::Envelope hold;
   hold.mutable_mode_request()->set_mode(wire::MODE_HOLD);
   EXPECT_TRUE(answer_to(*peer, peer->send(hold)).has_accepted());
-  EXPECT_TRUE(wait_for(*peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().mode() == wire::MODE_HOLD; }));
+  EXPECT_TRUE(
+      wait_for(*peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().mode() == wire::MODE_HOLD; }));
   return peer;
 }
 

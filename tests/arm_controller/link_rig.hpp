@@ -1,5 +1,5 @@
-// The whole program but its main: cycle on scripted drives, link over loopback TCP, files in a temporary folder; time is
-// handed in. A peer is a plain stream that a test fills with envelopes.
+// The whole program but its main: cycle on scripted drives, link over loopback TCP, files in a temporary folder; time
+// is handed in. A peer is a plain stream that a test fills with envelopes.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -42,7 +42,8 @@ TEST(Link, ShakesHandsAndTellsModelAndState) {
   ASSERT_TRUE(reply);
   EXPECT_EQ(reply->hello_reply().joint_count(), 5u);
   EXPECT_EQ(reply->hello_reply().lease_ns(), 200'000'000);
-  EXPECT_TRUE(rig.wait_for(peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().q_reading_rad_size() == 5; }));
+  EXPECT_TRUE(
+      rig.wait_for(peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().q_reading_rad_size() == 5; }));
 }
 
 TEST(Link, AnswersHeartbeatsWithTheFourStamps) {

@@ -1,4 +1,5 @@
-// The model in force between tick, disk and peers: nothing is told before it is saved, and a disk that was full is mended.
+// The model in force between tick, disk and peers: nothing is told before it is saved, and a disk that was full is
+// mended.
 #include <gtest/gtest.h>
 
 #include "arm_controller/state_folder.hpp"
@@ -48,7 +49,8 @@ TEST(Model, IsSavedBeforeItIsPublishedAndLoadedAtTheNextStart) {
   LinkRig rig;
   auto peer = rig.powered_commander();
   peer->send(proposal(rig, 0));
-  EXPECT_TRUE(rig.wait_for(*peer, [](const auto& e) { return e.has_model_update() && e.model_update().revision() == 1; }));
+  EXPECT_TRUE(
+      rig.wait_for(*peer, [](const auto& e) { return e.has_model_update() && e.model_update().revision() == 1; }));
   EXPECT_TRUE(std::filesystem::exists(rig.folder / "model.yaml"));
   EXPECT_EQ(rig.refusal_of(*peer, peer->send(proposal(rig, 0))), wire::REFUSAL_REASON_STALE_MODEL);
   const StartModel loaded = load_model_in_force(rig.folder, rig.robot);

@@ -30,8 +30,8 @@ std::string complaint(std::vector<const char*> words) {
 }
 
 TEST(Flags, ReadTheContract) {
-  const Flags f = parse({"--config", "r.yaml", "--listen=127.0.0.1:0", "--state", "s", "--bus", "emulated:/b", "--clock",
-                         "sim:/c", "--rate", "500"});
+  const Flags f = parse({"--config", "r.yaml", "--listen=127.0.0.1:0", "--state", "s", "--bus", "emulated:/b",
+                         "--clock", "sim:/c", "--rate", "500"});
   EXPECT_EQ(f.config, "r.yaml");
   EXPECT_EQ(f.emulated_bus, "/b");
   EXPECT_EQ(f.sim_clock, "/c");
@@ -49,7 +49,8 @@ TEST(Flags, RefuseWhatIsUnknownMissingOrOpenToTheNetwork) {
 }
 
 std::string complaint_at_rate(double rate_hz) {
-  Flags flags = parse({"--config", kRobotFile, "--listen", "127.0.0.1:0", "--state", "/proc/none", "--can", "can_none"});
+  Flags flags =
+      parse({"--config", kRobotFile, "--listen", "127.0.0.1:0", "--state", "/proc/none", "--can", "can_none"});
   flags.rate_hz = rate_hz;
   try {
     Program program(flags);

@@ -51,7 +51,8 @@ TEST(ClockAlignment, FindsOffsetAndSkewOnASymmetricLink) {
 }
 
 TEST(ClockAlignment, BoundHoldsOnJitteredAndAsymmetricLinks) {
-  const double links[][4] = {{5e-5, 1e-3, 5e-5, 1e-3}, {5e-5, 3e-3, 5e-5, 1e-4}, {2e-3, 1e-3, 1e-4, 1e-3}, {1e-4, 5e-3, 4e-3, 5e-3}};
+  const double links[][4] = {
+      {5e-5, 1e-3, 5e-5, 1e-3}, {5e-5, 3e-3, 5e-5, 1e-4}, {2e-3, 1e-3, 1e-4, 1e-3}, {1e-4, 5e-3, 4e-3, 5e-3}};
   for (const auto& link : links) {
     for (const double skew : {-100e-6, -50e-6, 0.0, 35e-6, 100e-6}) {
       Clocks clocks{0.41, skew};
@@ -61,7 +62,8 @@ TEST(ClockAlignment, BoundHoldsOnJitteredAndAsymmetricLinks) {
         for (const double ago_s : {0.0, 0.5, -0.2}) {
           const double at_s = clocks.now_s - ago_s;
           const double bound_ms = to_seconds(alignment.to_arm(Clocks::host(at_s))->bound) * 1e3;
-          ASSERT_LE(std::abs(clocks.error_ms(alignment, at_s)), bound_ms + 1e-6) << "exchange " << i << " skew " << skew;
+          ASSERT_LE(std::abs(clocks.error_ms(alignment, at_s)), bound_ms + 1e-6)
+              << "exchange " << i << " skew " << skew;
         }
       }
     }

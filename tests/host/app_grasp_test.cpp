@@ -47,7 +47,8 @@ TEST(GraspTable, ReadsTheShippedFile) {
 
 TEST(GraspTable, NamesPlaceAndRuleOfEveryViolation) {
   EXPECT_NE(refusal_of(changed("side_m: 0.040", "side_m: -1")).find("grasps.yaml:3:"), std::string::npos);
-  EXPECT_NE(refusal_of(changed("[[1,0,0],[0,1,0],[0,0,1]]}", "[[1,0,0],[0,1,0],[0,0,-1]]}")).find("rotation"), std::string::npos);
+  EXPECT_NE(refusal_of(changed("[[1,0,0],[0,1,0],[0,0,1]]}", "[[1,0,0],[0,1,0],[0,0,-1]]}")).find("rotation"),
+            std::string::npos);
   EXPECT_NE(refusal_of(changed("free_yaw: true", "free_yaw: maybe")).find("free_yaw"), std::string::npos);
   EXPECT_NE(refusal_of(changed("force_limit_permille", "force")).find("force_limit_permille"), std::string::npos);
   EXPECT_NE(refusal_of(changed("hand: {", "hand: {extra: 1, ")).find("extra"), std::string::npos);
@@ -101,7 +102,8 @@ Pose can_pose(const Vector3& offset) {
 TEST(GraspPlan, FindsACertifiedPostureAroundTheDemoPlace) {
   const GraspTable table = GraspTable::parse(kTable, "grasps.yaml");
   const GraspObject& can = table.find("can");
-  for (const Vector3& offset : {Vector3(0, 0, 0), Vector3(0.01, 0.01, 0.01), Vector3(-0.01, 0.01, -0.01), Vector3(0, -0.01, 0.01)}) {
+  for (const Vector3& offset :
+       {Vector3(0, 0, 0), Vector3(0.01, 0.01, 0.01), Vector3(-0.01, 0.01, -0.01), Vector3(0, -0.01, 0.01)}) {
     const GraspPlan plan = plan_grasp(reach(), can, can_pose(offset));
     ASSERT_TRUE(plan.best) << (plan.refusals.empty() ? "" : plan.refusals.front());
     const Vector6 e = pose_error(forward_kinematics(reach().chain, plan.best->at_grasp.q), plan.best->T_B_G);

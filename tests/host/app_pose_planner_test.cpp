@@ -29,8 +29,11 @@ StateMatrix inverse(const StateMatrix& A) { return A.llt().solve(StateMatrix::Id
 
 TEST(Visibility, AgreesWithThePosesOfTheSpecification) {
   // specification §7.3: looks that are visible with ≥ 90 px margin and 12–58° tilt on the default robot
-  const double looks[][5] = {{0.92, -0.23, -1.05, 1.61, -0.79}, {0.09, 0.59, 0.25, 1.61, -0.71}, {1.28, -0.78, -1.29, 1.30, -0.44},
-                             {1.22, 0.66, -0.82, 0.55, 0.62}, {0.13, 0.65, -0.09, 1.91, -0.29}};
+  const double looks[][5] = {{0.92, -0.23, -1.05, 1.61, -0.79},
+                             {0.09, 0.59, 0.25, 1.61, -0.71},
+                             {1.28, -0.78, -1.29, 1.30, -0.44},
+                             {1.22, 0.66, -0.82, 0.55, 0.62},
+                             {0.13, 0.65, -0.09, 1.91, -0.29}};
   const PlanProblem p = problem();
   ViewLimits limits = p.limits;
   limits.min_tilt_rad -= 0.01, limits.max_tilt_rad += 0.01, limits.image_margin_px -= 3;  // printed to two digits
@@ -98,7 +101,8 @@ TEST(PosePlanner, KeepsAwayFromPosturesThatFailed) {
 
 TEST(PosePlanner, LooksPastWhateverHidTheMarker) {
   PlanProblem p = problem();
-  const Vector3 hidden = (p.T_C_B * forward_kinematics(p.chain, visible_postures(p, 1, 0.0, {}).front().q_real) * p.T_H_M).p;
+  const Vector3 hidden =
+      (p.T_C_B * forward_kinematics(p.chain, visible_postures(p, 1, 0.0, {}).front().q_real) * p.T_H_M).p;
   p.hidden = {hidden};
   const auto candidates = visible_postures(p, 200, 0.0, {});
   ASSERT_EQ(candidates.size(), 200u);

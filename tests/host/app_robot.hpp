@@ -10,7 +10,11 @@ namespace armsight::host {
 
 inline ArmModel test_arm() {
   constexpr double kQuarter = std::numbers::pi / 2;
-  const DhRow rows[] = {{0, kQuarter, 0, 0}, {0, -kQuarter, 0, kQuarter}, {0, -kQuarter, 0.168, -kQuarter}, {0, kQuarter, 0, 0}, {0, -kQuarter, 0.185, 0}};
+  const DhRow rows[] = {{0, kQuarter, 0, 0},
+                        {0, -kQuarter, 0, kQuarter},
+                        {0, -kQuarter, 0.168, -kQuarter},
+                        {0, kQuarter, 0, 0},
+                        {0, -kQuarter, 0.185, 0}};
   ArmModel arm;
   arm.chain.joint_count = 5;
   for (std::size_t i = 0; i < 5; ++i) arm.chain.T_after[i] = dh_transform(rows[i]);

@@ -36,12 +36,14 @@ LookSample look(const SimulatedRobot& robot, const JointVector& q_real, bool fli
 
 std::vector<LookSample> looks(const SimulatedRobot& robot, int count, std::mt19937& random) {
   std::vector<LookSample> samples;
-  for (int k = 0; k < count; ++k) samples.push_back(look(robot, test::random_visible_posture(robot.truth, random), false, random));
+  for (int k = 0; k < count; ++k)
+    samples.push_back(look(robot, test::random_visible_posture(robot.truth, random), false, random));
   return samples;
 }
 
 /// Rms hand error of a model over 40 visible postures it never saw.
-std::pair<double, double> heldout_against_truth(const SimulatedRobot& robot, const LearnedModel& model, std::mt19937& random) {
+std::pair<double, double> heldout_against_truth(const SimulatedRobot& robot, const LearnedModel& model,
+                                                std::mt19937& random) {
   double sum_p = 0.0, sum_o = 0.0;
   for (int k = 0; k < 40; ++k) {
     const Vector6 e = test::hand_error(robot.truth, model, test::random_visible_posture(robot.truth, random));
@@ -71,9 +73,10 @@ TEST(CalibrateArm, MeetsE1AtTheGeometricLevel) {
   }
   const double median_mm = test::quantile(mm, 0.5), median_deg = test::quantile(deg, 0.5);
   RecordProperty("median_mm", std::to_string(median_mm));
-  std::printf("E1 nominal, N = 20, 40 robots: %.2f mm / %.2f deg (p95 %.2f mm, %.2f deg), base only %.1f mm, (4.6) %.2f mm\n",
-              median_mm, median_deg, test::quantile(mm, 0.95), test::quantile(deg, 0.95), test::quantile(base_mm, 0.5),
-              test::quantile(thesis_mm, 0.5));
+  std::printf(
+      "E1 nominal, N = 20, 40 robots: %.2f mm / %.2f deg (p95 %.2f mm, %.2f deg), base only %.1f mm, (4.6) %.2f mm\n",
+      median_mm, median_deg, test::quantile(mm, 0.95), test::quantile(deg, 0.95), test::quantile(base_mm, 0.5),
+      test::quantile(thesis_mm, 0.5));
   EXPECT_LE(median_mm, 0.8);
   EXPECT_LE(median_deg, 0.35);
   EXPECT_LE(test::quantile(mm, 0.95), 1.5);
@@ -216,7 +219,8 @@ TEST(CalibrateArm, CovarianceCoversTheTruth) {
     robot.truth.arm.T_H_M = robot.nominal.T_H_M;
     const ArmCalibration result = calibrate_arm(robot.nominal, looks(robot, 20, random), {});
     const JointVector q = test::random_visible_posture(robot.truth, random);
-    const auto prediction = predict_hand_eye(robot.nominal.chain, result.model.T_C_B, result.model.beta, q - robot.truth.beta);
+    const auto prediction =
+        predict_hand_eye(robot.nominal.chain, result.model.T_C_B, result.model.beta, q - robot.truth.beta);
     const Matrix6 P = prediction.H * result.covariance * prediction.H.transpose();
     const Vector6 e = test::hand_error(robot.truth, result.model, q);
     nees += e.dot(P.inverse() * e) / 20.0;

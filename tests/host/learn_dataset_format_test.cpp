@@ -46,7 +46,8 @@ TEST_F(DatasetFolder, ReadsPosesInBothForms) {
   write("dataset.yaml", with_plain_joints());
   write("samples.csv", "j1,j2,marker,x_m,y_m,z_m,qw,qx,qy,qz\n0.1,0.2,tag,1,2,3,1,0,0,0\n");
   EXPECT_EQ(load_dataset(folder_.path()).observations[0].T_C_M.p, Vector3(1, 2, 3));
-  write("samples.csv", "j2,j1,marker,t11,t12,t13,t14,t21,t22,t23,t24,t31,t32,t33,t34\n0.2,0.1,tag,1,0,0,1,0,1,0,2,0,0,1,3\n");
+  write("samples.csv",
+        "j2,j1,marker,t11,t12,t13,t14,t21,t22,t23,t24,t31,t32,t33,t34\n0.2,0.1,tag,1,0,0,1,0,1,0,2,0,0,1,3\n");
   const Dataset dataset = load_dataset(folder_.path());
   EXPECT_EQ(dataset.observations[0].T_C_M.p, Vector3(1, 2, 3));
   EXPECT_EQ(dataset.observations[0].q, Eigen::Vector2d(0.1, 0.2));
@@ -81,8 +82,10 @@ TEST_F(DatasetFolder, TellsEveryMistakeOfTheDescription) {
 }
 
 TEST_F(DatasetFolder, CornersOfSquaresAndPointsBecomePoses) {
-  write("camera.yaml", "image_width: 640\nimage_height: 480\ncamera_name: c\ncamera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0,"
-                       " 500, 240, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [0,0,0,0,0]}\n");
+  write("camera.yaml",
+        "image_width: 640\nimage_height: 480\ncamera_name: c\ncamera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0,"
+        " 500, 240, 0, 0, 1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: "
+        "[0,0,0,0,0]}\n");
   std::string yaml = with_plain_joints();
   yaml.replace(yaml.find("camera: {on: root}"), 18, "camera: {on: root, intrinsics: camera.yaml}");
   yaml.replace(yaml.find("kind: pose"), 10, "kind: square, side_m: 0.1");
@@ -94,7 +97,8 @@ TEST_F(DatasetFolder, CornersOfSquaresAndPointsBecomePoses) {
   yaml.replace(yaml.find("kind: square, side_m: 0.1"), 25, "kind: points");
   write("dataset.yaml", yaml);
   std::string rows = "look,j1,j2,marker,point_x_m,point_y_m,point_z_m,u_px,v_px\n";
-  for (const char* point : {"-0.05,0.05,0,295,215", "0.05,0.05,0,345,215", "0.05,-0.05,0,345,265", "-0.05,-0.05,0,295,265"}) {
+  for (const char* point :
+       {"-0.05,0.05,0,295,215", "0.05,0.05,0,345,215", "0.05,-0.05,0,345,265", "-0.05,-0.05,0,295,265"}) {
     rows += std::string("1,0,0,tag,") + point + "\n";
   }
   write("samples.csv", rows);
@@ -123,13 +127,17 @@ TEST_F(DatasetFolder, TheVerbRunsOnLooksOfOurOwnRobotAndFindsTheOffset) {
     const Eigen::Quaterniond quat(T.R);
     rows << k;
     for (const double value : q) rows << "," << value;
-    rows << ",7," << T.p.x() << "," << T.p.y() << "," << T.p.z() << "," << quat.w() << "," << quat.x() << "," << quat.y() << "," << quat.z() << "\n";
+    rows << ",7," << T.p.x() << "," << T.p.y() << "," << T.p.z() << "," << quat.w() << "," << quat.x() << ","
+         << quat.y() << "," << quat.z() << "\n";
   }
   write("samples.csv", rows.str());
   std::ostringstream out;
   EXPECT_EQ(run_calibrate_dataset(folder_.path(), folder_.path() / "result.json", out), 0);
   EXPECT_NE(out.str().find("offset of upper_arm_roll: +2.865 deg"), std::string::npos) << out.str();
-  EXPECT_NE(out.str().find("shoulder_flexion and a turn of the root seen by the camera about its axis (0.00, 0.00, 1.00)"), std::string::npos) << out.str();
+  EXPECT_NE(
+      out.str().find("shoulder_flexion and a turn of the root seen by the camera about its axis (0.00, 0.00, 1.00)"),
+      std::string::npos)
+      << out.str();
   EXPECT_TRUE(std::filesystem::file_size(folder_.path() / "result.json") > 500);
 }
 

@@ -20,9 +20,11 @@ const CandidateResult& candidate(const DatasetCalibration& result, const std::st
 
 void print_all(const DatasetCalibration& result) {
   for (const auto& c : result.candidates) {
-    std::printf("%-18s training rms %.3f mm mean %.3f median %.3f | held-out rms %.3f mm %.3f deg, median %.3f mm %.3f deg, %.3f px\n",
-                c.name.c_str(), c.training.rms_mm, c.training.mean_mm, c.training.median_mm, c.heldout.rms_mm,
-                c.heldout.rms_deg, c.heldout.median_mm, c.heldout.median_deg, c.heldout.rms_px);
+    std::printf(
+        "%-18s training rms %.3f mm mean %.3f median %.3f | held-out rms %.3f mm %.3f deg, median %.3f mm %.3f deg, "
+        "%.3f px\n",
+        c.name.c_str(), c.training.rms_mm, c.training.mean_mm, c.training.median_mm, c.heldout.rms_mm,
+        c.heldout.rms_deg, c.heldout.median_mm, c.heldout.median_deg, c.heldout.rms_px);
   }
   for (const auto& row : result.left_out) std::printf("  left out %s: %s\n", row.label.c_str(), row.reason.c_str());
   for (const auto& sentence : result.unobservable) std::printf("  %s\n", sentence.c_str());
@@ -64,8 +66,8 @@ TEST(LearnOnData, TalosNeedsOffsetsAndScaleAndHasExactlyThreeGauges) {
 TEST(LearnOnData, TalosSimulatedTruthIsFound) {
   ARMSIGHT_NEED_DATA("talos-pyrene-apriltag");
   const test::ScratchFolder folder;
-  const int rows = tools::convert_talos(test::data_folder() / "talos-pyrene-apriltag", "measurements-offset-arm_left_1.csv",
-                                        folder.path());
+  const int rows = tools::convert_talos(test::data_folder() / "talos-pyrene-apriltag",
+                                        "measurements-offset-arm_left_1.csv", folder.path());
   EXPECT_EQ(rows, 85);
   const Dataset dataset = load_dataset(folder.path());
   const DatasetCalibration result = calibrate_dataset(dataset, {1, 0.02});
@@ -170,8 +172,10 @@ TEST(Converters, KeepEveryRowAndEveryDigit) {
   ARMSIGHT_NEED_DATA("ethz-arm-sim");
   const test::ScratchFolder folder;
   const auto talos = test::data_folder() / "talos-pyrene-apriltag";
-  for (const auto& [csv, rows] : {std::pair{"measurements-pyrene-20200819-1.csv", 96}, {"measurements-pyrene-20200828.csv", 18},
-                                  {"measures-simulation.csv", 89}, {"measurements-offset-arm_left_1.csv", 85}}) {
+  for (const auto& [csv, rows] : {std::pair{"measurements-pyrene-20200819-1.csv", 96},
+                                  {"measurements-pyrene-20200828.csv", 18},
+                                  {"measures-simulation.csv", 89},
+                                  {"measurements-offset-arm_left_1.csv", 85}}) {
     EXPECT_EQ(tools::convert_talos(talos, csv, folder.path() / "talos"), rows);
     expect_all_numbers(talos / csv, folder.path() / "talos" / "samples.csv", 1, 1);
     EXPECT_EQ(load_dataset(folder.path() / "talos").rows, rows);
@@ -216,7 +220,8 @@ TEST(Converters, RefuseWhatIsNotTheSetAndSayWhere) {
     tools::convert_ethz(folder.path(), folder.path() / "out");
     FAIL();
   } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("robot_arm_sim_hand.csv:2:1: 'x' must be a finite number"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("robot_arm_sim_hand.csv:2:1: 'x' must be a finite number"),
+              std::string::npos);
   }
 }
 

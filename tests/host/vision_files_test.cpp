@@ -84,7 +84,9 @@ struct VisionFiles : ::testing::Test {
   }
 };
 
-std::string with(std::string text, const std::string& from, const std::string& to) { return text.replace(text.find(from), from.size(), to); }
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
 
 TEST_F(VisionFiles, RosAndOpenCvIntrinsicsReadTheSame) {
   for (const char* text : {kRosYaml, kOpenCvYaml}) {
@@ -105,7 +107,8 @@ TEST_F(VisionFiles, BadIntrinsicsAreRefusedWithPlaceAndRule) {
   EXPECT_NE(refusal(with(kRosYaml, "300.5", ".nan")).find("not finite"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, "300.5", "wide")).find("must be a number"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, "plumb_bob", "equidistant")).find("must be plumb_bob"), std::string::npos);
-  EXPECT_NE(refusal(with(kRosYaml, ", 0.003]", "]").replace(0, 0, "")).find("taken"), std::string::npos);  // four are allowed
+  EXPECT_NE(refusal(with(kRosYaml, ", 0.003]", "]").replace(0, 0, "")).find("taken"),
+            std::string::npos);  // four are allowed
   EXPECT_NE(refusal(with(kRosYaml, ", -0.002, 0.003]", "]")).find("must have 4 or 5"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, "image_width: 320\n", "")).find("image_width: is missing"), std::string::npos);
   EXPECT_NE(refusal("[1, 2]").find("must hold camera intrinsics"), std::string::npos);
@@ -125,10 +128,12 @@ TEST_F(VisionFiles, LensIsUndoneToTheLastBit) {
 
 TEST_F(VisionFiles, FolderGivesItsPicturesInOrderAndEnds) {
   for (int i = 0; i < 3; ++i) {
-    cv::imwrite(folder.file("p" + std::to_string(i) + ".png"), cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(40 * (i + 1))));
+    cv::imwrite(folder.file("p" + std::to_string(i) + ".png"),
+                cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(40 * (i + 1))));
   }
   write("notes.txt", "no picture");
-  const auto camera = make_camera("folder:" + std::filesystem::path(folder.file("")).parent_path().string(), write("k.yaml", kRosYaml), clock);
+  const auto camera = make_camera("folder:" + std::filesystem::path(folder.file("")).parent_path().string(),
+                                  write("k.yaml", kRosYaml), clock);
   EXPECT_FALSE(camera->poll());  // not asked for
   camera->request(10);
   std::vector<int> greys;
@@ -172,13 +177,15 @@ TEST_F(VisionFiles, CamerasThatAreNotThereAreNamed) {
   EXPECT_NE(camera_refusal("video:" + folder.file("none.avi"), k).find("is no file"), std::string::npos);
   EXPECT_NE(camera_refusal("video:" + k, k).find("is no video"), std::string::npos);
   EXPECT_NE(camera_refusal("folder:" + folder.file("none"), k).find("cannot be read"), std::string::npos);
-  EXPECT_NE(camera_refusal("folder:" + std::filesystem::path(k).parent_path().string(), k).find("holds no picture"), std::string::npos);
+  EXPECT_NE(camera_refusal("folder:" + std::filesystem::path(k).parent_path().string(), k).find("holds no picture"),
+            std::string::npos);
   EXPECT_NE(camera_refusal("folder:x", "").find("needs an intrinsics file"), std::string::npos);
 }
 
 TEST_F(VisionFiles, PictureOfAnotherSizeThanTheIntrinsicsIsRefused) {
   cv::imwrite(folder.file("a.png"), cv::Mat(100, 100, CV_8UC3, cv::Scalar::all(9)));
-  const auto camera = make_camera("folder:" + std::filesystem::path(folder.file("a")).parent_path().string(), write("k.yaml", kRosYaml), clock);
+  const auto camera = make_camera("folder:" + std::filesystem::path(folder.file("a")).parent_path().string(),
+                                  write("k.yaml", kRosYaml), clock);
   camera->request(1);
   EXPECT_THROW(camera->poll(), ConfigError);
 }

@@ -1,5 +1,6 @@
 // OpenCV's own photographs of markers: real paper, lens and light. The right answers stand in their PROVENANCE.md:
-// ids of all pictures, corners of six markers (to 1 px). Absent photographs skip, or fail under ARMSIGHT_REQUIRE_DATA=1.
+// ids of all pictures, corners of six markers (to 1 px). Absent photographs skip, or fail under
+// ARMSIGHT_REQUIRE_DATA=1.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -18,11 +19,13 @@ struct Photos : ::testing::Test {
 
   void SetUp() override {
     const char* named = std::getenv("ARMSIGHT_DATA");
-    folder = (named ? std::filesystem::path(named) : std::filesystem::path(ARMSIGHT_SOURCE_DIR) / ".." / "shared" / "data") /
-             "aruco-opencv-photos";
+    folder =
+        (named ? std::filesystem::path(named) : std::filesystem::path(ARMSIGHT_SOURCE_DIR) / ".." / "shared" / "data") /
+        "aruco-opencv-photos";
     if (std::filesystem::is_directory(folder)) return;
     const char* required = std::getenv("ARMSIGHT_REQUIRE_DATA");
-    const std::string why = folder.string() + " is not there: set ARMSIGHT_DATA to the folder with the public data sets";
+    const std::string why =
+        folder.string() + " is not there: set ARMSIGHT_DATA to the folder with the public data sets";
     if (required && std::string(required) == "1") FAIL() << why;
     GTEST_SKIP() << why;
   }
@@ -60,7 +63,8 @@ TEST_F(Photos, SixMarkersOnATableWithTheirCorners) {
   double worst = 0.0;
   for (const MarkerDetection& marker : markers) {
     EXPECT_GT(marker.edge_rms_px, 0.0) << "id " << marker.id << ": no clean outline";
-    for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, cv::norm(marker.corners_px[i] - golden.at(marker.id)[i]));
+    for (std::size_t i = 0; i < 4; ++i)
+      worst = std::max(worst, cv::norm(marker.corners_px[i] - golden.at(marker.id)[i]));
   }
   std::printf("six markers: worst corner %.2f px from the golden ones (whole pixels)\n", worst);
   EXPECT_LE(worst, 1.0);

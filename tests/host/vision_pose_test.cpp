@@ -63,7 +63,8 @@ TEST(PlanarPose, CovarianceIsThatOfTheSpecification) {
   for (const Row& row : {Row{0.25, 20, 0.05, 0.42}, Row{0.35, 40, 0.06, 0.85}, Row{0.60, 20, 0.11, 2.5}}) {
     Corners corners;
     for (std::size_t i = 0; i < 4; ++i) {
-      corners[i] = project(pinhole, marker_pose(0, 0, row.z_m, row.tilt_deg * kDegree, 0, 0) * marker_corners_M(kSide_m)[i]);
+      corners[i] =
+          project(pinhole, marker_pose(0, 0, row.z_m, row.tilt_deg * kDegree, 0, 0) * marker_corners_M(kSide_m)[i]);
     }
     const auto solved = solve_planar_pose(corners, kSide_m, pinhole, 0.25);
     ASSERT_TRUE(solved);
@@ -101,7 +102,8 @@ TEST(PlanarPose, LikelihoodRatioProtectsAgainstFlips) {
     const Pose T_C_M = marker_pose(0.1, -0.1, distance(random), tilt(random), turn(random), turn(random));
     const auto solved = solve_planar_pose(noise.on(corners_at(T_C_M), 0.25), kSide_m, kCamera, 0.25);
     if (!solved || !solved->second) continue;
-    const bool is_wrong = rotation_angle(solved->second->T_C_M.R, T_C_M.R) < rotation_angle(solved->best.T_C_M.R, T_C_M.R);
+    const bool is_wrong =
+        rotation_angle(solved->second->T_C_M.R, T_C_M.R) < rotation_angle(solved->best.T_C_M.R, T_C_M.R);
     smaller_and_wrong += is_wrong ? 1 : 0;
     if (solved->delta_chi2 <= LookOptions{}.clear_delta_chi2) continue;
     ++clear;
@@ -128,7 +130,8 @@ struct LookTest : ::testing::Test {
 
   std::vector<LookFrame> frames(int n, double sigma_px, const Pose& at) {
     std::vector<LookFrame> all;
-    for (int i = 0; i < n; ++i) all.push_back({noise.on(corners_at(at), sigma_px), time_from_ns(1'000'000'000 + std::int64_t{33'000'000} * i)});
+    for (int i = 0; i < n; ++i)
+      all.push_back({noise.on(corners_at(at), sigma_px), time_from_ns(1'000'000'000 + std::int64_t{33'000'000} * i)});
     return all;
   }
 };

@@ -58,7 +58,8 @@ TEST(MarkerPrint, SvgIsTrueToScale) {
   EXPECT_NE(svg.find("width=\"210mm\" height=\"297mm\" viewBox=\"0 0 210 297\""), std::string::npos);
   const auto rectangles = match_all(svg, kSvgRectangle);
   EXPECT_NEAR(measured_side_mm(rectangles, 7), 50.0, 0.1);
-  const auto ruler = std::find_if(rectangles.begin(), rectangles.end(), [](const Rectangle& r) { return r.width == 100.0; });
+  const auto ruler =
+      std::find_if(rectangles.begin(), rectangles.end(), [](const Rectangle& r) { return r.width == 100.0; });
   EXPECT_NE(ruler, rectangles.end());
 }
 

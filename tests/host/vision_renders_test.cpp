@@ -61,7 +61,8 @@ TEST_F(Renders, CovarianceOfLooksIsHonest) {
     const Vector6 error = pose_error(result.look->T_C_H, T_C_H);
     sum += error.dot(result.look->covariance.ldlt().solve(error)) / 6.0;
   }
-  std::printf("nominal, 5 frames: normalised error %.2f over %d looks, %d kept both solutions, %d wrong\n", sum / looks, looks, open, wrong);
+  std::printf("nominal, 5 frames: normalised error %.2f over %d looks, %d kept both solutions, %d wrong\n", sum / looks,
+              looks, open, wrong);
   EXPECT_GE(looks, 35);
   EXPECT_EQ(wrong, 0);
   EXPECT_GT(sum / looks, 0.5);
@@ -71,7 +72,8 @@ TEST_F(Renders, CovarianceOfLooksIsHonest) {
 TEST_F(Renders, FlipsAreRecognised) {
   Renderer renderer(test::default_scene(), robot.hand_marker, sim::noise_figures(sim::NoiseSet::kNominal), 31);
   std::mt19937_64 random(32);
-  std::uniform_real_distribution<double> turn(0.0, 2.0 * std::numbers::pi), tilt(5 * kDegree, 20 * kDegree), distance(0.6, 0.9);
+  std::uniform_real_distribution<double> turn(0.0, 2.0 * std::numbers::pi), tilt(5 * kDegree, 20 * kDegree),
+      distance(0.6, 0.9);
   int looks = 0, open = 0, wrong_alone = 0, wrong_predicted = 0;
   for (int i = 0; i < 30; ++i) {
     const Pose T_C_M = marker_pose(0.05, -0.1, distance(random), tilt(random), turn(random), turn(random));
@@ -84,12 +86,14 @@ TEST_F(Renders, FlipsAreRecognised) {
     ASSERT_TRUE(alone.look);
     open += alone.look->second_T_C_H ? 1 : 0;
     if (!alone.look->second_T_C_H && is_wrong(alone.look->T_C_H)) ++wrong_alone;
-    const Pose predicted = T_C_H * Pose{so3_exp(Vector3(3 * kDegree, -2 * kDegree, 1 * kDegree)), Vector3(0.015, 0, 0)};  // the drift of §7.1
+    const Pose predicted = T_C_H * Pose{so3_exp(Vector3(3 * kDegree, -2 * kDegree, 1 * kDegree)),
+                                        Vector3(0.015, 0, 0)};  // the drift of §7.1
     const LookResult guided = make_look(taken, robot.hand_marker, robot.arm.T_H_M, renderer.intrinsics(), predicted);
     ASSERT_TRUE(guided.look);
     if (!guided.look->second_T_C_H && is_wrong(guided.look->T_C_H)) ++wrong_predicted;
   }
-  std::printf("far and frontal: %d of %d looks ambiguous, wrong alone %d, wrong with prediction %d\n", open, looks, wrong_alone, wrong_predicted);
+  std::printf("far and frontal: %d of %d looks ambiguous, wrong alone %d, wrong with prediction %d\n", open, looks,
+              wrong_alone, wrong_predicted);
   EXPECT_GE(looks, 20);
   EXPECT_GT(open, looks / 4);
   EXPECT_EQ(wrong_alone, 0);
@@ -126,7 +130,8 @@ TEST_F(Renders, ACoveredCornerDoesNotMisleadSilently) {
     cv::circle(image, truth[2], 14, cv::Scalar(grey), cv::FILLED);
     const auto marker = hand_marker(image, renderer.intrinsics());
     if (!marker) continue;  // refused: good
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(cv::norm(marker->corners_px[i] - truth[i]), 0.15) << "grey " << grey << ", corner " << i;
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_LT(cv::norm(marker->corners_px[i] - truth[i]), 0.15) << "grey " << grey << ", corner " << i;
   }
 }
 
@@ -156,7 +161,8 @@ TEST(MarkerDictionary, UnknownNamesAreRefusedWithTheKnownOnes) {
     MarkerDetector detector("DICT_5X4");
     ADD_FAILURE() << "taken";
   } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("DICT_5X4: must be one of DICT_4X4_100"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("DICT_5X4: must be one of DICT_4X4_100"), std::string::npos)
+        << error.what();
   }
   EXPECT_THROW(MarkerDetector(6, {"0101"}), ConfigError);
 }

@@ -160,7 +160,8 @@ TEST(RobotFile, TakesABaseThatIsNotTheFirstAxis) {
 }
 
 TEST(RobotFile, RefusesUnknownMarkers) {
-  expect_complaint("DICT_4X4_50", "DICT_4X5_50", "dictionary = DICT_4X5_50: is no ArUco dictionary such as DICT_4X4_50");
+  expect_complaint("DICT_4X4_50", "DICT_4X5_50",
+                   "dictionary = DICT_4X5_50: is no ArUco dictionary such as DICT_4X4_50");
   expect_complaint("id: 7", "id: 50", "hand_marker.id = 50: the dictionary has 50 markers, from 0");
 }
 

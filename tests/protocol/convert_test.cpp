@@ -72,7 +72,8 @@ TEST(ConvertPose, RefusesQuaternionsOffUnitLength) {
     wire::Pose pose = good_pose();
     pose.set_qw(0.6 * scale);
     pose.set_qz(0.8 * scale);
-    EXPECT_EQ(reason_of(pose), is_good ? wire::REFUSAL_REASON_UNSPECIFIED : wire::REFUSAL_REASON_BAD_QUATERNION) << scale;
+    EXPECT_EQ(reason_of(pose), is_good ? wire::REFUSAL_REASON_UNSPECIFIED : wire::REFUSAL_REASON_BAD_QUATERNION)
+        << scale;
   }
   wire::Pose huge = good_pose();
   huge.set_qx(1e308);  // its square is beyond double

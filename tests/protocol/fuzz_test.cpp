@@ -101,7 +101,8 @@ TEST(Fuzz, Recording) {
   std::ostringstream out;
   RecordingWriter writer(out, {"t", 300});
   for (int i = 0; i < 30; ++i)
-    writer.write(i == 0 ? writer.add_channel("/can", "armsight.wire.CanRecord") : ChannelId{0}, time_from_ns(i), "data");
+    writer.write(i == 0 ? writer.add_channel("/can", "armsight.wire.CanRecord") : ChannelId{0}, time_from_ns(i),
+                 "data");
   writer.close();
   run(fuzz_recording, {out.str()}, runs(5000), 4);
 }

@@ -78,12 +78,15 @@ TEST(ModelFile, RefusesAnotherRobotAnotherDescriptionAnotherFormat) {
 }
 
 TEST(ModelFile, RefusesNumbersThatCannotBe) {
-  EXPECT_TRUE(model_complaint(model_with("-0.050000000000000003", ".nan")).ends_with("beta_rad[1] = .nan: must be finite"));
+  EXPECT_TRUE(
+      model_complaint(model_with("-0.050000000000000003", ".nan")).ends_with("beta_rad[1] = .nan: must be finite"));
   EXPECT_TRUE(model_complaint(model_with("-0.050000000000000003", "2")).ends_with("must be between -1 and 1"));
   EXPECT_TRUE(model_complaint(model_with(", -0.050000000000000003", "")).ends_with("has 1 entries, must have 2"));
-  EXPECT_TRUE(model_complaint(model_with("quaternion_wxyz: [0.", "quaternion_wxyz: [0.0")).ends_with("must have length 1"));
+  EXPECT_TRUE(
+      model_complaint(model_with("quaternion_wxyz: [0.", "quaternion_wxyz: [0.0")).ends_with("must have length 1"));
   EXPECT_TRUE(model_complaint(model_with("3.3333333333333334e-08", "1e-7")).ends_with("covariance: must be symmetric"));
-  EXPECT_TRUE(model_complaint(model_with("revision: 17", "revision: -1")).ends_with("must be a whole number, not negative"));
+  EXPECT_TRUE(
+      model_complaint(model_with("revision: 17", "revision: -1")).ends_with("must be a whole number, not negative"));
   EXPECT_TRUE(model_complaint("").ends_with("empty file"));
 }
 

@@ -12,7 +12,8 @@ namespace armsight {
 inline constexpr int kSampleTicks = 500;
 inline constexpr std::int64_t kSampleStart_ns = 1'000'000'000, kSamplePeriod_ns = 4'000'000;
 
-/// Tick i: q_reading_rad = [0.001 i, -0.5], mode HOLD; every 100th tick a Stop on /link with the tick's number as sequence.
+/// Tick i: q_reading_rad = [0.001 i, -0.5], mode HOLD; every 100th tick a Stop on /link with the tick's number as
+/// sequence.
 inline void write_sample(RecordingWriter& writer) {
   const ChannelId tick = writer.add_channel("/tick", "armsight.wire.TickRecord");
   const ChannelId link = writer.add_channel("/link", "armsight.wire.LinkRecord");

@@ -51,9 +51,11 @@ class LinkReplay : public SystemTest {
 
   /// link_record between the next host and the controller, and where it listens. Simulated time stands still meanwhile.
   std::string start_recorder(const fs::path& out) {
-    const std::vector<std::string> command{(options_.programs / "link_record").string(), "--arm", whereabouts()[1], "--out", out.string()};
+    const std::vector<std::string> command{(options_.programs / "link_record").string(), "--arm", whereabouts()[1],
+                                           "--out", out.string()};
     recorder_ = std::make_unique<ChildProcess>("link_record", command);
-    while (!recorder_->line_after("link_record: listening on ") && !recorder_->exit_code()) recorder_->drain([](const std::string&) {});
+    while (!recorder_->line_after("link_record: listening on ") && !recorder_->exit_code())
+      recorder_->drain([](const std::string&) {});
     return recorder_->line_after("link_record: listening on ").value_or("");
   }
 
@@ -100,7 +102,8 @@ TEST_F(LinkReplay, NamesTheFirstDifferenceOfAChangedGoal) {
   int goals = 0;
   replay::copy_recording(recording, changed, [&](wire::LinkRecord& record) {
     wire::Envelope& e = *record.mutable_envelope();
-    if (e.has_joint_goal() && ++goals == 2) e.mutable_joint_goal()->set_q_real_rad(2, e.joint_goal().q_real_rad(2) + 0.01);
+    if (e.has_joint_goal() && ++goals == 2)
+      e.mutable_joint_goal()->set_q_real_rad(2, e.joint_goal().q_real_rad(2) + 0.01);
   });
   ASSERT_EQ(goals, 2);
   EXPECT_EQ(replay(changed), 1) << said();

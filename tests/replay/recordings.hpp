@@ -20,7 +20,8 @@ inline void copy_recording(const std::filesystem::path& from, const std::filesys
   RecordingWriter writer(out, {"armsight tests"});
   std::map<std::string, ChannelId> channels;
   for (RecordedMessage message; reader.next(message);) {
-    if (!channels.contains(message.topic)) channels[message.topic] = writer.add_channel(message.topic, message.message_type);
+    if (!channels.contains(message.topic))
+      channels[message.topic] = writer.add_channel(message.topic, message.message_type);
     if (message.topic == "/link") {
       wire::LinkRecord record;
       record.ParseFromString(message.data);

@@ -1,4 +1,5 @@
-// Nothing that the tick calls may allocate: malloc itself is counted here, since Eigen does not go through operator new.
+// Nothing that the tick calls may allocate: malloc itself is counted here, since Eigen does not go through operator
+// new.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// The measurement model: specification's golden values (§9, camera-frame letters) through the base-frame form, H against
-// differences, the exact gauge, and the change of letters.
+// The measurement model: specification's golden values (§9, camera-frame letters) through the base-frame form, H
+// against differences, the exact gauge, and the change of letters.
 #include "shared/hand_eye.hpp"
 
 #include <gtest/gtest.h>
@@ -75,8 +75,10 @@ TEST(HandEye, JacobianAgreesWithDifferences) {
     const SerialChain chain = test::general_chain(n, 11);
     std::mt19937 random(3);
     for (int k = 0; k < 20; ++k) {
-      const LearnedModel model{1, {so3_exp(test::random_vector(1.0, random)), test::random_vector(0.3, random)},
-                               test::random_between(JointVector::Constant(n, -0.1), JointVector::Constant(n, 0.1), random)};
+      const LearnedModel model{
+          1,
+          {so3_exp(test::random_vector(1.0, random)), test::random_vector(0.3, random)},
+          test::random_between(JointVector::Constant(n, -0.1), JointVector::Constant(n, 0.1), random)};
       const JointVector q = test::random_between(JointVector::Constant(n, -2.0), JointVector::Constant(n, 2.0), random);
       const HandEyePrediction prediction = predict_hand_eye(chain, model.T_C_B, model.beta, q);
       for (int i = 0; i < 6 + n; ++i) {
@@ -139,7 +141,8 @@ TEST(HandEye, CovarianceOfTheHandIsThatOfItsSamples) {
     sampled += e * e.transpose() / kSamples;
   }
   const Vector6 scale = claimed.diagonal().cwiseSqrt();
-  const Matrix6 difference = scale.cwiseInverse().asDiagonal() * (claimed - sampled) * scale.cwiseInverse().asDiagonal();
+  const Matrix6 difference =
+      scale.cwiseInverse().asDiagonal() * (claimed - sampled) * scale.cwiseInverse().asDiagonal();
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.05);
 }
 
@@ -161,7 +164,8 @@ TEST(HandEye, CovarianceOfALookIsThatOfItsSamples) {
     sampled += e * e.transpose() / kSamples;
   }
   const Vector6 scale = claimed.diagonal().cwiseSqrt();
-  const Matrix6 difference = scale.cwiseInverse().asDiagonal() * (claimed - sampled) * scale.cwiseInverse().asDiagonal();
+  const Matrix6 difference =
+      scale.cwiseInverse().asDiagonal() * (claimed - sampled) * scale.cwiseInverse().asDiagonal();
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.03);
 }
 

@@ -94,8 +94,8 @@ TEST(JointOffsetEkf, DefaultFilterIsConsistentWhereNoiseIsAsItClaims) {
 }
 
 TEST(JointOffsetEkf, DefaultFilterIsNeverOverConfidentOnTheCleanSet) {
-  // E7 on the clean set of §7.1: the floor budgets errors of mount, lens and links that this set lacks, so only the upper
-  // end of the band binds (NEES 1.1, NIS 2.8).
+  // E7 on the clean set of §7.1: the floor budgets errors of mount, lens and links that this set lacks, so only the
+  // upper end of the band binds (NEES 1.1, NIS 2.8).
   const Statistics s = run_robots(scaled_options(1.0), {.encoder_sigma_rad = 0.05 * kDegree}, 200, 5, 0.0);
   EXPECT_LE(s.mean_nees, 7.5);
   EXPECT_LE(s.mean_nis, 7.5);

@@ -1,4 +1,5 @@
-// The filter on single looks: what it refuses, what it leaves alone, what its covariance does (specification §5.5, §5.6).
+// The filter on single looks: what it refuses, what it leaves alone, what its covariance does (specification §5.5,
+// §5.6).
 #include "shared/joint_offset_ekf.hpp"
 
 #include <gtest/gtest.h>

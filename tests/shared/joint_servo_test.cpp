@@ -1,4 +1,5 @@
-// Promises of the joint servo that must hold in every step, whatever is asked: limits, stopping, landing, arriving together.
+// Promises of the joint servo that must hold in every step, whatever is asked: limits, stopping, landing, arriving
+// together.
 #include "shared/joint_servo.hpp"
 
 #include <gtest/gtest.h>

@@ -47,8 +47,8 @@ class PoseServo : public testing::Test {
   std::mt19937 random{2};
 
   JointVector speeds(const JointVector& q, const Pose& goal, double dt_s = 0.004) const {
-    return pose_servo_speeds(arm.chain, q, goal, arm.limits.min_rad, arm.limits.max_rad, arm.limits.max_speed_rad_s, dt_s,
-                             {});
+    return pose_servo_speeds(arm.chain, q, goal, arm.limits.min_rad, arm.limits.max_rad, arm.limits.max_speed_rad_s,
+                             dt_s, {});
   }
 };
 

@@ -143,7 +143,8 @@ TEST(BusHub, AProgramLosesTheBusWithItsHub) {
   TemporaryFolder folder;
   BusModel bus(1e6);
   ServerClock clock(false);
-  auto hub = std::make_unique<BusHub>(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
+  auto hub =
+      std::make_unique<BusHub>(folder.file("bus"), bus, clock, [](std::uint32_t, std::int64_t ns) { return ns; });
   const auto own = net::make_monotonic_clock(1ms);
   const auto program = arm::join_emulated_bus(folder.file("bus"), *own);
   hub->receive();
@@ -169,7 +170,8 @@ TEST(BusLog, HoldsEveryFrameInOrderAfterFlushAndAfterTheEnd) {
   };
   {
     BusLog log(folder.file("bus.log"));
-    for (std::uint32_t i = 0; i < kFrames; ++i) log.add({time_from_ns(1'000'000 * i), "emulated", frame_of(i % 0x700), false});
+    for (std::uint32_t i = 0; i < kFrames; ++i)
+      log.add({time_from_ns(1'000'000 * i), "emulated", frame_of(i % 0x700), false});
     log.flush();
     EXPECT_EQ(frames_in_file(), kFrames);
     log.add({time_from_ns(1'000'000LL * kFrames), "emulated", frame_of(kFrames % 0x700), false});

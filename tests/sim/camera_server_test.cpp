@@ -22,7 +22,12 @@ constexpr std::int64_t kOffset_ns = 123'456'789;  // client's clock beside simul
 struct CameraServerTest : ::testing::Test {
   RobotConfig robot = test::default_robot();
   std::unique_ptr<net::Clock> clock = net::make_monotonic_clock(1ms);
-  CameraServer server{"127.0.0.1:0", *clock, test::default_scene(), robot.hand_marker, noise_figures(NoiseSet::kNominal), 3,
+  CameraServer server{"127.0.0.1:0",
+                      *clock,
+                      test::default_scene(),
+                      robot.hand_marker,
+                      noise_figures(NoiseSet::kNominal),
+                      3,
                       [](std::uint32_t, std::int64_t sim_ns) { return sim_ns + kOffset_ns; }};
   WorldView world = test::world_with_marker(robot, test::marker_pose(0, 0, 0.3, 0.5, 0, 0));
   std::int64_t now_ns = 0;
@@ -98,7 +103,8 @@ TEST_F(CameraServerTest, LatencyIsTwentyMillisecondsGiveOrTakeFive) {
     drawn = server.rendered();
     if (drawn == 0) continue;
     for (int wait = 0; wait < 3; ++wait) {  // what was sent this turn is here at once or in a moment
-      while (auto frame = camera->poll()) latency_ms.push_back(static_cast<double>(now_ns + kOffset_ns - to_ns(frame->capture_time)) * 1e-6);
+      while (auto frame = camera->poll())
+        latency_ms.push_back(static_cast<double>(now_ns + kOffset_ns - to_ns(frame->capture_time)) * 1e-6);
       std::this_thread::sleep_for(200us);
     }
   }

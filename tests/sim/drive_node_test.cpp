@@ -1,4 +1,5 @@
-// The simulated drive: CiA 402 transitions, set-points that act with SYNC, and what it does when the controller is gone.
+// The simulated drive: CiA 402 transitions, set-points that act with SYNC, and what it does when the controller is
+// gone.
 #include <gtest/gtest.h>
 
 #include "tests/sim/drive_bench.hpp"
@@ -29,7 +30,8 @@ TEST(DriveStates, FollowTheControlwordFromEveryState) {
     EXPECT_EQ(next_drive_state(row.from, kDisableVoltage, 6, false), row.disable) << to_text(row.from);
     EXPECT_EQ(drive_state(state_bits(row.from)), row.from) << "statusword says what it is";
   }
-  EXPECT_EQ(next_drive_state(kQuickStopActive, kEnableOperation, 2, false), kQuickStopActive) << "option 2: no way back";
+  EXPECT_EQ(next_drive_state(kQuickStopActive, kEnableOperation, 2, false), kQuickStopActive)
+      << "option 2: no way back";
   EXPECT_EQ(next_drive_state(kFault, kFaultReset, 6, true), kSwitchOnDisabled);
 }
 
@@ -114,7 +116,8 @@ TEST_F(Drive, ALostHeartbeatStopsIt) {
   bench.advance(2ms);
   EXPECT_EQ(bench.drive.state(), kQuickStopActive);
   bool said_so = false;
-  for (const CanFrame& frame : bench.sent) said_so = said_so || (decode_emcy(frame, 3) && decode_emcy(frame, 3)->code == 0x8130);
+  for (const CanFrame& frame : bench.sent)
+    said_so = said_so || (decode_emcy(frame, 3) && decode_emcy(frame, 3)->code == 0x8130);
   EXPECT_TRUE(said_so);
 }
 

@@ -1,5 +1,5 @@
-// The moving parts and their truth: limits, errors of the right size, fingers that stop on the object only when the hand
-// is truly there, everything from the seed.
+// The moving parts and their truth: limits, errors of the right size, fingers that stop on the object only when the
+// hand is truly there, everything from the seed.
 #include <gtest/gtest.h>
 
 #include <cmath>

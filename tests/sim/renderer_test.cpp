@@ -98,7 +98,8 @@ TEST_F(RendererTest, CornerNoiseIsThatOfTheNoiseSet) {
     }
     const double frame_px = std::sqrt(within / within_count);
     const double look_px = std::sqrt(std::max(0.0, between / between_count - frame_px * frame_px / kFrames));
-    std::printf("%s: per frame %.3f px, per look %.3f px, %.0f looks\n", to_text(set), frame_px, look_px, between_count / 8.0);
+    std::printf("%s: per frame %.3f px, per look %.3f px, %.0f looks\n", to_text(set), frame_px, look_px,
+                between_count / 8.0);
     EXPECT_GE(between_count / 8.0, 12.0);
     EXPECT_NEAR(frame_px, noise.corner_px, 0.12 * noise.corner_px) << to_text(set);
     EXPECT_NEAR(look_px, noise.corner_bias_px, 0.04 + 0.2 * noise.corner_bias_px) << to_text(set);
@@ -156,7 +157,8 @@ TEST_F(RendererTest, MotionSmearsAboutTheMiddleOfTheExposure) {
   const Pose middle = marker_pose(0, 0, 0.3, 25 * kDegree, 0.5, 0.3);
   std::vector<WorldView> instants;
   for (int i = -2; i <= 2; ++i) {  // 0.18 m/s for 8 ms: 3.4 px
-    instants.push_back(test::world_with_marker(robot, Pose{middle.R, middle.p + Vector3(i * 0.2 * 0.008 * 0.18, 0, 0)}));
+    instants.push_back(
+        test::world_with_marker(robot, Pose{middle.R, middle.p + Vector3(i * 0.2 * 0.008 * 0.18, 0, 0)}));
   }
   const cv::Mat still = picture(renderer, instants[2]), moving = renderer.render(instants);
   const auto marker = hand_marker(moving, renderer);
@@ -171,7 +173,8 @@ TEST_F(RendererTest, MotionSmearsAboutTheMiddleOfTheExposure) {
 }
 
 TEST(SceneFile, TellsEveryViolationAtOnce) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / ("armsight-scene-" + std::to_string(::getpid()) + ".yaml");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("armsight-scene-" + std::to_string(::getpid()) + ".yaml");
   std::string text = read_text_file(ARMSIGHT_SOURCE_DIR "/tools/sim/scene.yaml");
   text.replace(text.find("rate_hz: 30"), 11, "rate_hz: -3");
   text.replace(text.find("exposure_s: 0.008"), 17, "exposure_z: 0.008");

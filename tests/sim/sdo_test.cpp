@@ -1,4 +1,5 @@
-// The simulated nodes' SDO server, byte by byte, and the order in which they let PDOs be changed (controller.md §4.2, 3).
+// The simulated nodes' SDO server, byte by byte, and the order in which they let PDOs be changed (controller.md §4.2,
+// 3).
 #include <gtest/gtest.h>
 
 #include "tests/sim/drive_bench.hpp"

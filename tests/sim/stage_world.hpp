@@ -12,7 +12,9 @@ namespace armsight::test {
 
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 
-inline RobotConfig default_robot() { return load_robot(ARMSIGHT_SOURCE_DIR "/arm_controller/config/ego_right_arm.yaml"); }
+inline RobotConfig default_robot() {
+  return load_robot(ARMSIGHT_SOURCE_DIR "/arm_controller/config/ego_right_arm.yaml");
+}
 inline sim::Scene default_scene() { return sim::load_scene(ARMSIGHT_SOURCE_DIR "/tools/sim/scene.yaml"); }
 inline sim::NoiseFigures no_noise() { return {}; }
 
@@ -52,14 +54,15 @@ inline Pose marker_pose(double x, double y, double distance_m, double tilt_rad, 
   return {facing * so3_exp(tilt_rad * axis) * so3_exp(Vector3(0, 0, roll_rad)), distance_m * ray};
 }
 
-/// As Learn plans its looks (specification §7.3): 12–58° of tilt, the marker well inside the picture. The print's y axis
-/// points at the wrist; it stays in the upper half so that the forearm does not come between.
+/// As Learn plans its looks (specification §7.3): 12–58° of tilt, the marker well inside the picture. The print's y
+/// axis points at the wrist; it stays in the upper half so that the forearm does not come between.
 inline Pose random_marker_pose(std::mt19937_64& random, double min_distance_m = 0.18, double max_distance_m = 0.40) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const double distance = min_distance_m + (max_distance_m - min_distance_m) * unit(random);
   const double tilt = (12.0 + 46.0 * unit(random)) * kDegree;
   const double x = -0.55 + 1.1 * unit(random), y = -0.26 + 0.52 * unit(random);
-  return marker_pose(x, y, distance, tilt, 2.0 * std::numbers::pi * unit(random), 2.0 * std::numbers::pi * unit(random));
+  return marker_pose(x, y, distance, tilt, 2.0 * std::numbers::pi * unit(random),
+                     2.0 * std::numbers::pi * unit(random));
 }
 
 }  // namespace armsight::test

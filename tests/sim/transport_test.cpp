@@ -59,7 +59,8 @@ TEST_F(Transport, ReportsAClosedPeerAfterItsLastMessage) {
   const auto first = serve_some(server);
   ASSERT_GE(first.size(), 1u);
   EXPECT_EQ(first[0].message.payload, "last words");
-  const auto events = first.size() > 1 ? std::vector<StreamServer::Event>(first.begin() + 1, first.end()) : serve_some(server);
+  const auto events =
+      first.size() > 1 ? std::vector<StreamServer::Event>(first.begin() + 1, first.end()) : serve_some(server);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_TRUE(events[0].is_closed);
   EXPECT_EQ(events[0].stream->close_reason(), "closed by the peer");

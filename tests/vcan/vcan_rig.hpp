@@ -25,7 +25,8 @@ inline double patience() { return from_environment("ARMSIGHT_VCAN_PATIENCE", 1.0
 inline bool has_vcan() { return if_nametoindex("vcan0") != 0; }
 inline bool must_have_vcan() { return from_environment("ARMSIGHT_REQUIRE_VCAN", 0.0) != 0.0; }
 
-/// The shipped robot (0.5 rad/s: a move lasts longer than a program takes to start) with the engine's rate and deadlines that a stalled guest keeps.
+/// The shipped robot (0.5 rad/s: a move lasts longer than a program takes to start) with the engine's rate and
+/// deadlines that a stalled guest keeps.
 inline std::filesystem::path guest_robot(const std::filesystem::path& home, const std::filesystem::path& file) {
   std::ifstream in(home / "arm_controller/config/ego_right_arm.yaml");
   std::string text{std::istreambuf_iterator<char>(in), {}};

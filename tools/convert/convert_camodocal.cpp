@@ -29,8 +29,8 @@ std::vector<std::string> matrix_rows(const std::vector<std::string>& lines, std:
   if (open == std::string::npos || close == std::string::npos) refuse(file, first + 1, "data: [ … ] is missing");
   auto numbers = split(std::string_view(text).substr(open + 1, close - open - 1), ',');
   for (const auto& number : numbers) checked_number(number, file, first + 1);
-  if (numbers.size() != 16 || std::stod(numbers[12]) != 0 || std::stod(numbers[13]) != 0 || std::stod(numbers[14]) != 0 ||
-      std::stod(numbers[15]) != 1) {
+  if (numbers.size() != 16 || std::stod(numbers[12]) != 0 || std::stod(numbers[13]) != 0 ||
+      std::stod(numbers[14]) != 0 || std::stod(numbers[15]) != 1) {
     refuse(file, first + 1, "must be a 4 x 4 pose with the last row 0 0 0 1");
   }
   numbers.resize(12);

@@ -35,11 +35,12 @@ int convert_stream(const Path& file, const std::string& header, const std::strin
 }  // namespace
 
 int convert_ethz(const Path& source, const Path& target) {
-  convert_stream(source / "robot_arm_sim_hand.csv", "time_s,hand_x_m,hand_y_m,hand_z_m,hand_qx,hand_qy,hand_qz,hand_qw", "",
-                 target / "arm.csv");
-  const int looks = convert_stream(source / "robot_arm_sim_camera.csv",
-                                   "time_s,marker,camera_x_m,camera_y_m,camera_z_m,camera_qx,camera_qy,camera_qz,camera_qw",
-                                   "target,", target / "looks.csv");
+  convert_stream(source / "robot_arm_sim_hand.csv", "time_s,hand_x_m,hand_y_m,hand_z_m,hand_qx,hand_qy,hand_qz,hand_qw",
+                 "", target / "arm.csv");
+  const int looks =
+      convert_stream(source / "robot_arm_sim_camera.csv",
+                     "time_s,marker,camera_x_m,camera_y_m,camera_z_m,camera_qx,camera_qy,camera_qz,camera_qw",
+                     "target,", target / "looks.csv");
   write_file(target / "dataset.yaml", kEthzYaml);
   return looks;
 }

@@ -1,4 +1,5 @@
-// rct-two-axis-positioner: a fixed camera sees a target on two turning axes; nominal model and guesses as its README has them.
+// rct-two-axis-positioner: a fixed camera sees a target on two turning axes; nominal model and guesses as its README
+// has them.
 #include "tools/convert/text_files.hpp"
 
 namespace armsight::tools {
@@ -57,7 +58,8 @@ int convert_rct(const Path& source, const Path& target) {
   }
   std::string rows = "time_s,joint_1,joint_2,marker,qw,qx,qy,qz,x_m,y_m,z_m\n";
   for (const auto& sample : samples) {
-    if (sample.pose.size() != 7 || sample.joints.size() != 2) refuse(file, 1, sample.stamp + ": must have a pose and 2 joints");
+    if (sample.pose.size() != 7 || sample.joints.size() != 2)
+      refuse(file, 1, sample.stamp + ": must have a pose and 2 joints");
     rows += sample.stamp + "," + join(sample.joints) + ",target," + join(sample.pose) + "\n";
   }
   write_file(target / "samples.csv", rows);

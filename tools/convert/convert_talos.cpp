@@ -6,9 +6,9 @@ namespace {
 
 std::string arm_chain(const std::string& side, const char* sign) {
   const std::string j = "arm_" + side + "_";
-  return "  - name: arm_" + side + "\n    joints:\n" +
-         "      - {name: " + j + "1_joint, xyz_m: [0, " + sign + "0.1575, 0.232], rpy_rad: [0, 0, 0], axis: [0, 0, 1]}\n" +
-         "      - {name: " + j + "2_joint, xyz_m: [0.00493, " + sign + "0.1365, 0.04673], rpy_rad: [0, 0, 0], axis: [1, 0, 0]}\n" +
+  return "  - name: arm_" + side + "\n    joints:\n" + "      - {name: " + j + "1_joint, xyz_m: [0, " + sign +
+         "0.1575, 0.232], rpy_rad: [0, 0, 0], axis: [0, 0, 1]}\n" + "      - {name: " + j +
+         "2_joint, xyz_m: [0.00493, " + sign + "0.1365, 0.04673], rpy_rad: [0, 0, 0], axis: [1, 0, 0]}\n" +
          "      - {name: " + j + "3_joint, xyz_m: [0, 0, 0], rpy_rad: [0, 0, 0], axis: [0, 0, 1]}\n" +
          "      - {name: " + j + "4_joint, xyz_m: [0.02, 0, -0.273], rpy_rad: [0, 0, 0], axis: [0, 1, 0]}\n" +
          "      - {name: " + j + "5_joint, xyz_m: [-0.02, 0, -0.2643], rpy_rad: [0, 0, 0], axis: [0, 0, 1]}\n" +
@@ -29,9 +29,11 @@ std::string dataset_yaml(const std::vector<std::string>& joints, const std::stri
          arm_chain("left", "") + arm_chain("right", "-") +
          "camera: {on: head}\ntargets:\n"
          "  - {name: left_gripper, on: arm_left, kind: pose, start: {xyz_m: [0, 0, -0.092], rpy_rad: [0, 0, 0]}}\n"
-         "  - {name: right_gripper, on: arm_right, kind: pose, start: {xyz_m: [0, 0, -0.092], quat_wxyz: [0, 0, 0, 1]}}\n"
+         "  - {name: right_gripper, on: arm_right, kind: pose, start: {xyz_m: [0, 0, -0.092], quat_wxyz: [0, 0, 0, "
+         "1]}}\n"
          "noise: {sigma_m: 0.008, sigma_rad: 0.02}   # what the mounts-only fit leaves, roughly\n"
-         "learn:\n  scale: true\n  offsets: [" + offsets.substr(2) + "]\nignore_columns: [" + ignored.substr(2) + "]\n";
+         "learn:\n  scale: true\n  offsets: [" +
+         offsets.substr(2) + "]\nignore_columns: [" + ignored.substr(2) + "]\n";
 }
 
 }  // namespace

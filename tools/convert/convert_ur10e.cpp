@@ -55,10 +55,12 @@ std::string xml_value(const std::vector<std::string>& lines, const std::string& 
 std::string camera_yaml(const Path& file) {
   const auto lines = read_lines(file);
   const auto value = [&](const char* key) { return xml_value(lines, key, file); };
-  return "# ROS camera_info, from the set's camera.xml\nimage_width: " + value("image_width") + "\nimage_height: " +
-         value("image_height") + "\ncamera_name: camera\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" + value("px") +
-         ", 0, " + value("u0") + ", 0, " + value("py") + ", " + value("v0") +
-         ", 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n";
+  return "# ROS camera_info, from the set's camera.xml\nimage_width: " + value("image_width") +
+         "\nimage_height: " + value("image_height") +
+         "\ncamera_name: camera\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" + value("px") + ", 0, " +
+         value("u0") + ", 0, " + value("py") + ", " + value("v0") +
+         ", 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, "
+         "0, 0]\n";
 }
 
 }  // namespace
@@ -76,9 +78,10 @@ int convert_ur10e(const Path& source, const Path& target) {
     const auto joints = split(lines.empty() ? "" : lines[0], ',');
     if (joints.size() != 6) refuse(file, 1, "must hold 6 joint angles");
     for (const auto& q : joints) checked_number(q, file, 1);
-    rows += picture + "," + join(joints) + ",board," + join(pose_numbers(source / ("pose_cPo_" + number + ".yaml"))) + "," +
-            join(pose_numbers(source / ("pose_fPe_" + number + ".yaml"))) + "\n";
-    std::filesystem::copy_file(source / picture, target / "images" / picture, std::filesystem::copy_options::overwrite_existing);
+    rows += picture + "," + join(joints) + ",board," + join(pose_numbers(source / ("pose_cPo_" + number + ".yaml"))) +
+            "," + join(pose_numbers(source / ("pose_fPe_" + number + ".yaml"))) + "\n";
+    std::filesystem::copy_file(source / picture, target / "images" / picture,
+                               std::filesystem::copy_options::overwrite_existing);
   }
   if (count == 0) refuse(source / "configuration_1", 1, "is missing");
   write_file(target / "samples.csv", rows);

@@ -19,14 +19,19 @@ class FieldList {
   FieldList& text(const char* name, const std::string& value) { return add(name, value); }
   FieldList& numbers(const char* name, const google::protobuf::RepeatedField<double>& values) {
     integer((std::string(name) + ".size").c_str(), values.size());
-    for (int i = 0; i < values.size(); ++i) number((std::string(name) + "[" + std::to_string(i) + "]").c_str(), values[i]);
+    for (int i = 0; i < values.size(); ++i)
+      number((std::string(name) + "[" + std::to_string(i) + "]").c_str(), values[i]);
     return *this;
   }
   FieldList& vector(const std::string& name, const wire::Vector3& v) {
-    return number((name + ".x").c_str(), v.x()).number((name + ".y").c_str(), v.y()).number((name + ".z").c_str(), v.z());
+    return number((name + ".x").c_str(), v.x())
+        .number((name + ".y").c_str(), v.y())
+        .number((name + ".z").c_str(), v.z());
   }
   FieldList& pose(const std::string& name, const wire::Pose& p) {
-    number((name + ".x_m").c_str(), p.x_m()).number((name + ".y_m").c_str(), p.y_m()).number((name + ".z_m").c_str(), p.z_m());
+    number((name + ".x_m").c_str(), p.x_m())
+        .number((name + ".y_m").c_str(), p.y_m())
+        .number((name + ".z_m").c_str(), p.z_m());
     number((name + ".qw").c_str(), p.qw()).number((name + ".qx").c_str(), p.qx());
     return number((name + ".qy").c_str(), p.qy()).number((name + ".qz").c_str(), p.qz());
   }

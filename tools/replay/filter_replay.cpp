@@ -105,7 +105,8 @@ void Replayer::take_report(const wire::FilterReport& report, std::int64_t now_ns
   HandPoseMeasurement z;
   check(from_wire(look->second.hand_in_camera(), "hand_in_camera", z.T_C_H), where);
   z.has_second = look->second.has_hand_in_camera_second();
-  if (z.has_second) check(from_wire(look->second.hand_in_camera_second(), "hand_in_camera_second", z.T_C_H_second), where);
+  if (z.has_second)
+    check(from_wire(look->second.hand_in_camera_second(), "hand_in_camera_second", z.T_C_H_second), where);
   StateMatrix covariance;
   check(from_wire(look->second.covariance(), "covariance", 6, covariance), where);
   z.R_vision = covariance;
@@ -116,7 +117,8 @@ void Replayer::take_report(const wire::FilterReport& report, std::int64_t now_ns
   FilterStep step;
   step.arm_capture_time_ns = report.arm_capture_time_ns();
   step.report = filter_.update(z);
-  const bool is_fused = step.report.outcome == FusionOutcome::kFused || step.report.outcome == FusionOutcome::kFusedSecondSolution;
+  const bool is_fused =
+      step.report.outcome == FusionOutcome::kFused || step.report.outcome == FusionOutcome::kFusedSecondSolution;
   if (is_fused) ++revision_;
   step.model = filter_.model();
   step.model.revision = revision_;
@@ -189,14 +191,15 @@ std::vector<FilterStep> replay_filter(const LinkFile& file, const RobotConfig& r
 
 bool is_of_the_filter(const wire::LinkRecord& record) {
   const wire::Envelope& e = record.envelope();
-  return e.has_hello() || e.has_hello_reply() || e.has_bye() || e.has_recalibration_start() || e.has_hand_pose() || e.has_accepted() ||
-         e.has_refusal() || e.has_model_proposal() || e.has_model_update() || e.has_filter_report();
+  return e.has_hello() || e.has_hello_reply() || e.has_bye() || e.has_recalibration_start() || e.has_hand_pose() ||
+         e.has_accepted() || e.has_refusal() || e.has_model_proposal() || e.has_model_update() || e.has_filter_report();
 }
 
 std::string to_csv(const std::vector<FilterStep>& steps) {
   std::string csv =
       "arm_capture_time_ns,outcome,revision,iterations,nis,cost,gain_norm,innovation_x_m,innovation_y_m,innovation_z_m,"
-      "innovation_rx_rad,innovation_ry_rad,innovation_rz_rad,T_C_B_x_m,T_C_B_y_m,T_C_B_z_m,T_C_B_qw,T_C_B_qx,T_C_B_qy,T_C_B_qz,"
+      "innovation_rx_rad,innovation_ry_rad,innovation_rz_rad,T_C_B_x_m,T_C_B_y_m,T_C_B_z_m,T_C_B_qw,T_C_B_qx,T_C_B_qy,"
+      "T_C_B_qz,"
       "sigma_x_m,sigma_y_m,sigma_z_m,sigma_rx_rad,sigma_ry_rad,sigma_rz_rad";
   const Eigen::Index joints = steps.empty() ? 0 : steps.front().model.beta.size();
   for (Eigen::Index i = 1; i <= joints; ++i) csv += ",beta_" + std::to_string(i) + "_rad";
@@ -218,14 +221,15 @@ std::string to_csv(const std::vector<FilterStep>& steps) {
 std::string first_csv_difference(const std::string& golden, const std::string& now) {
   const std::vector<std::string> a = split(golden, '\n'), b = split(now, '\n');
   if (a.empty() || b.empty() || a[0] != b[0]) return "the columns differ";
-  if (a.size() != b.size()) return "golden has " + std::to_string(a.size() - 1) + " looks, now " + std::to_string(b.size() - 1);
+  if (a.size() != b.size())
+    return "golden has " + std::to_string(a.size() - 1) + " looks, now " + std::to_string(b.size() - 1);
   const std::vector<std::string> names = split(a[0], ',');
   for (std::size_t row = 1; row < a.size(); ++row) {
     const std::vector<std::string> x = split(a[row], ','), y = split(b[row], ',');
     for (std::size_t i = 0; i < names.size(); ++i)
       if (i >= x.size() || i >= y.size() || !is_same_cell(x[i], y[i]))
-        return "look " + std::to_string(row) + ", " + names[i] + ": golden " + (i < x.size() ? x[i] : "nothing") + ", now " +
-               (i < y.size() ? y[i] : "nothing");
+        return "look " + std::to_string(row) + ", " + names[i] + ": golden " + (i < x.size() ? x[i] : "nothing") +
+               ", now " + (i < y.size() ? y[i] : "nothing");
   }
   return {};
 }

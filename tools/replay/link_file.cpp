@@ -19,7 +19,8 @@ void take(LinkFile& out, std::map<std::string, std::size_t>& open, wire::LinkRec
   const wire::Envelope& envelope = record.envelope();
   const auto found = open.find(record.peer());
   // A port may be used again: a first Hello begins another connection.
-  const bool is_new = found == open.end() || (record.to_controller() && envelope.has_hello() && envelope.sequence() == 1);
+  const bool is_new =
+      found == open.end() || (record.to_controller() && envelope.has_hello() && envelope.sequence() == 1);
   if (is_new) {
     open[record.peer()] = out.connections.size();
     Connection fresh;

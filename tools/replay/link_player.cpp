@@ -29,11 +29,12 @@ void check_replayable(const Connection& recorded, const net::Clock& clock) {
   if (recorded.to_controller.empty() || !recorded.to_controller.front().has_hello())
     throw NotReplayable("connection of " + recorded.peer + ": does not begin with Hello");
   if (recorded.participant == 0)
-    throw NotReplayable("connection of " + recorded.peer + ": its host had no simulated clock, so its times cannot come again");
+    throw NotReplayable("connection of " + recorded.peer +
+                        ": its host had no simulated clock, so its times cannot come again");
   if (recorded.participant != clock.participant())
-    throw NotReplayable("the recorded host joined the simulated clock as participant " + std::to_string(recorded.participant) +
-                        ", this is participant " + std::to_string(clock.participant()) +
-                        ": start fresh programs in the order of the recording");
+    throw NotReplayable("the recorded host joined the simulated clock as participant " +
+                        std::to_string(recorded.participant) + ", this is participant " +
+                        std::to_string(clock.participant()) + ": start fresh programs in the order of the recording");
 }
 
 LinkPlayer::LinkPlayer(const Connection& recorded, std::string arm_address, net::Clock& clock)
@@ -57,7 +58,8 @@ void LinkPlayer::wait_for_hello() {
   const std::int64_t hello_ns = recorded_.to_controller.front().sent_time_ns();
   if (to_ns(clock_.now()) > hello_ns)
     throw NotReplayable("the recorded host came at " + seconds_text(hello_ns) + " of its clock, here it is " +
-                        seconds_text(to_ns(clock_.now())) + " already: join earlier; and arm_sim needs the seed of the recording");
+                        seconds_text(to_ns(clock_.now())) +
+                        " already: join earlier; and arm_sim needs the seed of the recording");
   while (to_ns(clock_.now()) < hello_ns) clock_.wait_next_cycle();
   if (to_ns(clock_.now()) != hello_ns)
     throw NotReplayable("the recorded host's clock showed " + std::to_string(hello_ns) + " ns, this one never does: " +
@@ -90,13 +92,15 @@ void LinkPlayer::receive() {
 void LinkPlayer::take_session(const wire::Envelope& replayed) {
   if (!replayed.has_hello_reply()) return;
   if (replayed.hello_reply().bus() != "emulated")
-    throw NotReplayable("the controller drives bus \"" + replayed.hello_reply().bus() + "\": recordings never drive a real arm");
+    throw NotReplayable("the controller drives bus \"" + replayed.hello_reply().bus() +
+                        "\": recordings never drive a real arm");
   session_ = replayed.hello_reply().session();
 }
 
 void LinkPlayer::compare(const wire::Envelope& replayed) {
   if (result_.compared == expected_) {
-    const bool has_left = result_.sent == recorded_.to_controller.size();  // what comes after the recorded end says nothing
+    const bool has_left =
+        result_.sent == recorded_.to_controller.size();  // what comes after the recorded end says nothing
     if (!has_left) result_.difference = {replayed.sent_time_ns(), {"message", "nothing", body_name(replayed)}};
     return;
   }
@@ -111,7 +115,8 @@ void LinkPlayer::report_missing(const std::string& instead) {
     const wire::Envelope& recorded = recorded_.from_controller[result_.compared];
     result_.difference = {recorded.sent_time_ns(), {"message", body_name(recorded), instead}};
   } else if (result_.sent < recorded_.to_controller.size()) {
-    result_.difference = {expected_ == 0 ? 0 : recorded_.from_controller[expected_ - 1].sent_time_ns(), {"message", "nothing", instead}};
+    result_.difference = {expected_ == 0 ? 0 : recorded_.from_controller[expected_ - 1].sent_time_ns(),
+                          {"message", "nothing", instead}};
   }
 }
 

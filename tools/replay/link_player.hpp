@@ -1,8 +1,8 @@
 // Plays one recorded host against a fresh controller on the same simulated clock, and compares its answers.
 //
 // Same seed and same place in the order of joining give the same crystal, so the clock here shows in every cycle what
-// the recorded host's showed: each message goes out when now() is its sent_time_ns, and acts in the recorded cycle. Only
-// the session is new, which the controller chooses by itself.
+// the recorded host's showed: each message goes out when now() is its sent_time_ns, and acts in the recorded cycle.
+// Only the session is new, which the controller chooses by itself.
 #pragma once
 
 #include <memory>

@@ -91,7 +91,8 @@ Relay::Impl::Impl(const RelayOptions& o) : options(o), arm_endpoint(endpoint("--
 void Relay::Impl::listen() {
   const tcp::endpoint own = endpoint("--listen", options.listen_address);
   const std::string flag = "--listen " + options.listen_address + ": ";
-  if (!own.address().is_loopback()) throw ConfigError(flag + "must be a loopback address: the link has no encryption yet");
+  if (!own.address().is_loopback())
+    throw ConfigError(flag + "must be a loopback address: the link has no encryption yet");
   asio::error_code error;
   acceptor.open(own.protocol(), error);
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
@@ -167,14 +168,15 @@ void Relay::Impl::record(Pump& pump, std::size_t size) {
   const bool is_sound = pump.decoder.feed({pump.bytes.data(), size}, payloads);
   for (const std::string& payload : payloads) write(pump.to_controller, payload);
   if (!is_sound)
-    std::fprintf(stderr, "link_record: %s: %s; forwarded on, recorded up to here\n", pump.to_controller ? "host" : "controller",
-                 wire::to_text(pump.decoder.error()));
+    std::fprintf(stderr, "link_record: %s: %s; forwarded on, recorded up to here\n",
+                 pump.to_controller ? "host" : "controller", wire::to_text(pump.decoder.error()));
 }
 
 void Relay::Impl::write(bool to_controller, const std::string& payload) {
   wire::LinkRecord record;
   if (!record.mutable_envelope()->ParseFromString(payload)) {
-    std::fprintf(stderr, "link_record: %s: a frame that holds no Envelope; forwarded, not recorded\n", to_controller ? "host" : "controller");
+    std::fprintf(stderr, "link_record: %s: a frame that holds no Envelope; forwarded, not recorded\n",
+                 to_controller ? "host" : "controller");
     return;
   }
   const Time now = clock->now();

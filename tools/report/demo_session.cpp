@@ -87,7 +87,8 @@ std::vector<MoveResult> Session::moves(const std::string& kept_as) {
 }
 
 GraspResult Session::grasp(const std::string& kept_as) {
-  verb({"grasp", "--object", experiment_.object, "--grasps", (options_.home / "host/config/grasps.yaml").string()}, "grasp", kept_as);
+  verb({"grasp", "--object", experiment_.object, "--grasps", (options_.home / "host/config/grasps.yaml").string()},
+       "grasp", kept_as);
   return load_grasp(results() / (kept_as + ".json"));
 }
 
@@ -96,7 +97,8 @@ void Session::read_status() {
   for (const std::string& line : arm_.host_lines()) {
     ControllerFigures& c = report_.controller;
     unsigned long long cycles = 0, missed = 0;
-    if (std::sscanf(line.c_str(), "cycles: %llu, %llu missed, tick %lf us (p99.9 %lf us)", &cycles, &missed, &c.tick_us_p50, &c.tick_us_p999) == 4) {
+    if (std::sscanf(line.c_str(), "cycles: %llu, %llu missed, tick %lf us (p99.9 %lf us)", &cycles, &missed,
+                    &c.tick_us_p50, &c.tick_us_p999) == 4) {
       c.cycles = cycles;
       c.missed = missed;
     }
@@ -113,7 +115,8 @@ void Session::keep_images(const std::vector<std::string>& names, const std::stri
   for (std::size_t i = 0; i < std::min(most, names.size()); ++i) {
     if (names[i].empty()) continue;
     const std::size_t picked = most >= names.size() ? i : i * (names.size() - 1) / std::max<std::size_t>(1, most - 1);
-    const fs::path kept = results() / ("image-" + std::to_string(report_.images.size() + 1) + fs::path(names[picked]).extension().string());
+    const fs::path kept = results() / ("image-" + std::to_string(report_.images.size() + 1) +
+                                       fs::path(names[picked]).extension().string());
     fs::copy_file(arm_.run_dir() / "host" / names[picked], kept);
     report_.images.push_back({caption + " " + std::to_string(picked + 1), kept});
   }
@@ -136,7 +139,8 @@ void Session::describe() {
   report_.bus_line = "Bus: " + (open == std::string::npos ? line : line.substr(open + 1, line.find(')') - open - 1));
   report_.robot_name = robot_.robot;
   report_.object = experiment_.object;
-  for (const char* program : {"arm_sim", "arm_controller", "host", "demo_run"}) report_.versions[program] = ARMSIGHT_VERSION;
+  for (const char* program : {"arm_sim", "arm_controller", "host", "demo_run"})
+    report_.versions[program] = ARMSIGHT_VERSION;
   for (const fs::path& file : {options_.robot_file, options_.home / "tools/experiments/chapter8.yaml",
                                options_.home / "tools/sim/scene.yaml", options_.home / "host/config/grasps.yaml"}) {
     report_.inputs.emplace_back(file.filename().string(), read_text(file));

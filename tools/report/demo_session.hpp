@@ -47,7 +47,8 @@ class RunningArm {
   const std::vector<std::string>& host_lines() const { return host_lines_; }
 
  private:
-  std::string server(const std::string& name, const std::vector<std::string>& arguments, const std::string& ready_prefix);
+  std::string server(const std::string& name, const std::vector<std::string>& arguments,
+                     const std::string& ready_prefix);
   std::vector<std::string> program(const std::string& name, const std::vector<std::string>& arguments) const;
   std::vector<std::string> bus_arguments() const;
 

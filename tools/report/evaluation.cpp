@@ -87,7 +87,8 @@ HeldOut evaluate_heldout(const Truth& truth, const LearnedModel& model, const st
     sum_deg2 += e.deg * e.deg;
     ++result.postures;
   }
-  if (result.postures == 0) throw std::runtime_error("no visible posture found to hold out: is the camera's truth right?");
+  if (result.postures == 0)
+    throw std::runtime_error("no visible posture found to hold out: is the camera's truth right?");
   result.rms_mm = std::sqrt(sum_mm2 / result.postures);
   result.rms_deg = std::sqrt(sum_deg2 / result.postures);
   return result;
@@ -111,7 +112,8 @@ CommandedPose evaluate_move(const Truth& truth, const MoveResult& move, const Se
   CommandedPose pose;
   pose.T_C_G = move.model.T_C_B * forward_kinematics(nominal, move.q_goal_real);
   pose.T_C_H = true_T_C_H(truth, move.arm_time_ns);
-  pose.model_error = error_between(predict_T_C_H(nominal, move.model.T_C_B, move.model.beta, move.q_reading), pose.T_C_H);
+  pose.model_error =
+      error_between(predict_T_C_H(nominal, move.model.T_C_B, move.model.beta, move.q_reading), pose.T_C_H);
   pose.reached_error = error_between(pose.T_C_H, pose.T_C_G);
   return pose;
 }
@@ -132,7 +134,8 @@ GraspEvaluation evaluate_grasp(const Truth& truth, const GraspResult& grasp) {
   GraspEvaluation result;
   const auto distance_ns = [&](const TruthGrasp& g) { return std::abs(g.arm_time_ns - grasp.arm_time_ns); };
   const auto attempt = std::ranges::min_element(truth.grasps, {}, distance_ns);
-  result.was_closed = grasp.verdict != "refused" && attempt != truth.grasps.end() && distance_ns(*attempt) < kClosingBound_ns;
+  result.was_closed =
+      grasp.verdict != "refused" && attempt != truth.grasps.end() && distance_ns(*attempt) < kClosingBound_ns;
   result.does_verdict_agree = (grasp.verdict == "grasped") == (result.was_closed && attempt->is_held);
   if (!result.was_closed) return result;
   result.error = {1e3 * attempt->error_m, kDegrees * attempt->error_rad};

@@ -20,7 +20,8 @@ std::vector<double> counted(std::size_t count, double first = 0) {
   return values;
 }
 
-Plot residual_plot(const Report& r, const char* title, const char* y_label, double CalibrationLook::*value, double rms) {
+Plot residual_plot(const Report& r, const char* title, const char* y_label, double CalibrationLook::*value,
+                   double rms) {
   Plot plot{.title = title, .x_label = "look", .y_label = y_label, .starts_at_zero = true};
   Series used{.label = "used", .color = kBlue, .mark = Mark::kCircle, .has_line = false};
   Series left_out{.label = "left out", .color = kVermillion, .mark = Mark::kCross, .has_line = false};
@@ -42,7 +43,8 @@ Plot pose_view(const Report& r, const char* title, const char* x_label, const ch
   Plot plot{.title = title, .x_label = x_label, .y_label = y_label, .width_px = 520, .height_px = 440,
             .has_equal_axes = true, .is_y_down = y == 1};
   for (std::size_t i = 0; i < r.arm_in_camera.size(); ++i) {
-    Series arm{.label = "pose " + std::to_string(i + 1), .color = series_color(i), .mark = Mark::kNone, .width_px = 2.5};
+    Series arm{
+        .label = "pose " + std::to_string(i + 1), .color = series_color(i), .mark = Mark::kNone, .width_px = 2.5};
     for (const Vector3& p : r.arm_in_camera[i]) arm.x.push_back(p(x)), arm.y.push_back(p(y));
     plot.series.push_back(arm);
   }
@@ -70,8 +72,11 @@ Plot action_plot(const Report& r, const char* title, const char* y_label, const 
                  Vector3 AdaptLook::*value) {
   Plot plot{.title = title, .x_label = "looks", .y_label = y_label};
   for (int axis = 0; axis < 3; ++axis) {
-    Series s{.label = std::string(symbol) + " " + "xyz"[axis], .x = {0}, .y = {0},
-             .color = series_color(static_cast<std::size_t>(axis)), .mark = series_mark(static_cast<std::size_t>(axis))};
+    Series s{.label = std::string(symbol) + " " + "xyz"[axis],
+             .x = {0},
+             .y = {0},
+             .color = series_color(static_cast<std::size_t>(axis)),
+             .mark = series_mark(static_cast<std::size_t>(axis))};
     for (const AdaptLook& look : r.adapt.looks) {
       s.x.push_back(static_cast<double>(s.x.size()));
       s.y.push_back(scale * (look.*value)(axis));
@@ -85,7 +90,11 @@ Plot offset_plot(const Report& r) {
   Plot plot{.title = "Joint offsets", .x_label = "looks", .y_label = "correction δβ [°]"};
   for (int joint = 0; joint < static_cast<int>(r.adapt.after.beta.size()); ++joint) {
     const auto at = static_cast<std::size_t>(joint);
-    Series s{.label = "joint " + std::to_string(joint + 1), .x = {0}, .y = {0}, .color = series_color(at), .mark = series_mark(at)};
+    Series s{.label = "joint " + std::to_string(joint + 1),
+             .x = {0},
+             .y = {0},
+             .color = series_color(at),
+             .mark = series_mark(at)};
     for (const AdaptLook& look : r.adapt.looks) {
       s.x.push_back(static_cast<double>(s.x.size()));
       s.y.push_back(kDegrees * look.delta_beta(joint));
@@ -115,9 +124,24 @@ Plot grasp_plot(const Report& r, const char* title, const char* x_label, const c
     if (!g.was_closed) return;
     const double goal_x = 1e3 * g.T_G_computed.p(x), goal_y = 1e3 * g.T_G_computed.p(y);
     const double hand_x = 1e3 * g.T_G_reached.p(x), hand_y = 1e3 * g.T_G_reached.p(y);
-    plot.series.push_back({.x = {goal_x, hand_x}, .y = {goal_y, hand_y}, .color = color, .mark = Mark::kNone, .is_dashed = true, .width_px = 1.2});
-    plot.series.push_back({.label = std::string("goal, ") + name, .x = {goal_x}, .y = {goal_y}, .color = color, .mark = Mark::kRing, .has_line = false});
-    plot.series.push_back({.label = std::string("hand, ") + name, .x = {hand_x}, .y = {hand_y}, .color = color, .mark = mark, .has_line = false});
+    plot.series.push_back({.x = {goal_x, hand_x},
+                           .y = {goal_y, hand_y},
+                           .color = color,
+                           .mark = Mark::kNone,
+                           .is_dashed = true,
+                           .width_px = 1.2});
+    plot.series.push_back({.label = std::string("goal, ") + name,
+                           .x = {goal_x},
+                           .y = {goal_y},
+                           .color = color,
+                           .mark = Mark::kRing,
+                           .has_line = false});
+    plot.series.push_back({.label = std::string("hand, ") + name,
+                           .x = {hand_x},
+                           .y = {hand_y},
+                           .color = color,
+                           .mark = mark,
+                           .has_line = false});
   };
   add(r.without_grasp, kWithout, kVermillion, Mark::kSquare);
   add(r.with_grasp, kWith, kBlue, Mark::kCircle);
@@ -127,8 +151,10 @@ Plot grasp_plot(const Report& r, const char* title, const char* x_label, const c
 }  // namespace
 
 std::vector<Plot> calibration_figures(const Report& r) {
-  return {residual_plot(r, "Position residual of each look", "residual [mm]", &CalibrationLook::residual_mm, r.calibrate.training_mm),
-          residual_plot(r, "Orientation residual of each look", "residual [°]", &CalibrationLook::residual_deg, r.calibrate.training_deg)};
+  return {residual_plot(r, "Position residual of each look", "residual [mm]", &CalibrationLook::residual_mm,
+                        r.calibrate.training_mm),
+          residual_plot(r, "Orientation residual of each look", "residual [°]", &CalibrationLook::residual_deg,
+                        r.calibrate.training_deg)};
 }
 
 std::vector<Plot> commanded_pose_figures(const Report& r) {
@@ -137,10 +163,14 @@ std::vector<Plot> commanded_pose_figures(const Report& r) {
 }
 
 std::vector<Plot> error_figures(const Report& r) {
-  return {error_plot(r, "Position error norm (5.17)", "model against truth [mm]", &PoseError::mm, &CommandedPose::model_error),
-          error_plot(r, "Orientation error norm (5.18)", "model against truth [°]", &PoseError::deg, &CommandedPose::model_error),
-          error_plot(r, "Reached against commanded, position", "true hand against command [mm]", &PoseError::mm, &CommandedPose::reached_error),
-          error_plot(r, "Reached against commanded, orientation", "true hand against command [°]", &PoseError::deg, &CommandedPose::reached_error)};
+  return {error_plot(r, "Position error norm (5.17)", "model against truth [mm]", &PoseError::mm,
+                     &CommandedPose::model_error),
+          error_plot(r, "Orientation error norm (5.18)", "model against truth [°]", &PoseError::deg,
+                     &CommandedPose::model_error),
+          error_plot(r, "Reached against commanded, position", "true hand against command [mm]", &PoseError::mm,
+                     &CommandedPose::reached_error),
+          error_plot(r, "Reached against commanded, orientation", "true hand against command [°]", &PoseError::deg,
+                     &CommandedPose::reached_error)};
 }
 
 std::vector<Plot> filter_figures(const Report& r) {
@@ -151,8 +181,10 @@ std::vector<Plot> filter_figures(const Report& r) {
 }
 
 std::vector<Plot> grasp_figures(const Report& r) {
-  return {grasp_plot(r, "Along and across the forearm", "along x of the right grasp [mm]", "along y of the right grasp [mm]", 0, 1),
-          grasp_plot(r, "Across and along the object", "along x of the right grasp [mm]", "along z of the right grasp [mm]", 0, 2)};
+  return {grasp_plot(r, "Along and across the forearm", "along x of the right grasp [mm]",
+                     "along y of the right grasp [mm]", 0, 1),
+          grasp_plot(r, "Across and along the object", "along x of the right grasp [mm]",
+                     "along z of the right grasp [mm]", 0, 2)};
 }
 
 }  // namespace armsight::demo

@@ -30,7 +30,8 @@ std::vector<double> nice_ticks(double min, double max, int wanted) {
     }
   }
   std::vector<double> ticks;
-  for (double i = std::ceil(min / step - 1e-9); i * step <= max + 1e-9 * step; i += 1.0) ticks.push_back(i * step + 0.0);
+  for (double i = std::ceil(min / step - 1e-9); i * step <= max + 1e-9 * step; i += 1.0)
+    ticks.push_back(i * step + 0.0);
   return ticks;
 }
 

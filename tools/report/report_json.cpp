@@ -1,4 +1,5 @@
-// report.json. Numbers that the machine's speed decides stand under solve_ms, tick_us_* and keys ending in _wall_s only.
+// report.json. Numbers that the machine's speed decides stand under solve_ms, tick_us_* and keys ending in _wall_s
+// only.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 

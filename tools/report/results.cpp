@@ -14,7 +14,8 @@ namespace {
 using nlohmann::json;
 
 JointVector joints_from(const json& j) {
-  if (!j.is_array() || j.empty() || j.size() > kMaxJoints) throw std::runtime_error("must be a list of 1 to 8 joint angles");
+  if (!j.is_array() || j.empty() || j.size() > kMaxJoints)
+    throw std::runtime_error("must be a list of 1 to 8 joint angles");
   JointVector q(static_cast<Eigen::Index>(j.size()));
   for (std::size_t i = 0; i < j.size(); ++i) q(static_cast<Eigen::Index>(i)) = j[i].get<double>();
   return q;
@@ -64,8 +65,14 @@ auto read_result(const std::filesystem::path& file, Read&& reader) {
 }
 
 CalibrationLook calibration_look(const json& j) {
-  return {joints_from(j.at("q_reading_rad")), j.at("arm_time_ns"), j.at("used"), j.value("reason", ""), j.value("image", ""),
-          j.value("residual_mm", 0.0), j.value("residual_deg", 0.0), j.value("reprojection_px", 0.0)};
+  return {joints_from(j.at("q_reading_rad")),
+          j.at("arm_time_ns"),
+          j.at("used"),
+          j.value("reason", ""),
+          j.value("image", ""),
+          j.value("residual_mm", 0.0),
+          j.value("residual_deg", 0.0),
+          j.value("reprojection_px", 0.0)};
 }
 
 AdaptLook adapt_look(const json& j) {
@@ -111,7 +118,8 @@ std::vector<TruthRow> load_rows(const std::filesystem::path& file, int joints) {
     for (int i = 0; i < joints; ++i) fields >> row.q_true(i);
     for (int i = 0; i < joints; ++i) fields >> row.q_reading(i);
     fields >> row.T_B_H.p.x() >> row.T_B_H.p.y() >> row.T_B_H.p.z() >> quat.w() >> quat.x() >> quat.y() >> quat.z();
-    if (!fields) throw std::runtime_error(file.filename().string() + ":" + std::to_string(number) + ": too few numbers");
+    if (!fields)
+      throw std::runtime_error(file.filename().string() + ":" + std::to_string(number) + ": too few numbers");
     row.T_B_H.R = quat.normalized().toRotationMatrix();
     rows.push_back(row);
   }

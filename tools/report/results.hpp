@@ -22,7 +22,8 @@ struct CalibrationLook {
 struct CalibrateResult {
   std::vector<CalibrationLook> looks;
   double training_mm = 0, training_deg = 0;
-  double crossvalidation_mm = 0, crossvalidation_deg = 0;  ///< k-fold over the looks, against the camera's own measurements
+  double crossvalidation_mm = 0,
+         crossvalidation_deg = 0;  ///< k-fold over the looks, against the camera's own measurements
   std::vector<std::optional<double>> sigma_beta_deg;       ///< empty where unobservable
   std::optional<double> sigma_camera_mm, sigma_camera_deg;
   int rank = 0, parameters = 0, attempts = 0;

@@ -37,10 +37,14 @@ RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool
     : options_(options),
       run_dir_(prepared(fs::absolute(run_dir))),
       conductor_(run_dir_ / "programs.log", is_verbose) {
-  std::vector<std::string> arguments{
-      "--robot", options_.robot_file.string(), "--scene", (options_.home / "tools/sim/scene.yaml").string(),
-      "--seed", std::to_string(options_.seed), "--noise", options_.noise, "--pace", options_.pace,
-      "--clock", (sockets_.path() / "clock").string(), "--camera", "127.0.0.1:0", "--log", (run_dir_ / "sim/bus.log").string()};
+  std::vector<std::string> arguments{"--robot",  options_.robot_file.string(),
+                                     "--scene",  (options_.home / "tools/sim/scene.yaml").string(),
+                                     "--seed",   std::to_string(options_.seed),
+                                     "--noise",  options_.noise,
+                                     "--pace",   options_.pace,
+                                     "--clock",  (sockets_.path() / "clock").string(),
+                                     "--camera", "127.0.0.1:0",
+                                     "--log",    (run_dir_ / "sim/bus.log").string()};
   for (const std::string& word : bus_arguments()) arguments.push_back(word);
   server("arm_sim", arguments, "arm_sim: ready");
   camera_ = conductor_.find("arm_sim")->line_after("arm_sim: camera ").value_or("");
@@ -51,7 +55,8 @@ RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool
 void RunningArm::start_controller() {
   std::vector<std::string> arguments{"--config", options_.robot_file.string(), "--listen", "127.0.0.1:0",
                                      "--state", (run_dir_ / "controller").string()};
-  if (options_.can_interface.empty()) arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_.path() / "clock").string()});
+  if (options_.can_interface.empty())
+    arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_.path() / "clock").string()});
   for (const std::string& word : bus_arguments()) arguments.push_back(word);
   link_ = server("arm_controller", arguments, "arm_controller: listening on ");
   bus_line_ = conductor_.find("arm_controller")->line_after("arm_controller: bus ").value_or("");
@@ -70,15 +75,19 @@ std::vector<std::string> RunningArm::program(const std::string& name, const std:
   return command;
 }
 
-std::string RunningArm::server(const std::string& name, const std::vector<std::string>& arguments, const std::string& ready_prefix) {
+std::string RunningArm::server(const std::string& name, const std::vector<std::string>& arguments,
+                               const std::string& ready_prefix) {
   const std::string rest = conductor_.start_server(name, program(name, arguments), ready_prefix);
   commands_.push_back(conductor_.find(name)->command_line());
   return rest;
 }
 
 std::vector<std::string> RunningArm::host_command(const std::vector<std::string>& verb) const {
-  std::vector<std::string> arguments{"--arm", link_, "--state", (run_dir_ / "host").string(), "--robot", options_.robot_file.string(),
-                                     "--camera", "sim:" + camera_, "--clock", "sim:" + (sockets_.path() / "clock").string()};
+  std::vector<std::string> arguments{"--arm",    link_,
+                                     "--state",  (run_dir_ / "host").string(),
+                                     "--robot",  options_.robot_file.string(),
+                                     "--camera", "sim:" + camera_,
+                                     "--clock",  "sim:" + (sockets_.path() / "clock").string()};
   arguments.insert(arguments.end(), verb.begin(), verb.end());
   return program("host", arguments);
 }

@@ -52,7 +52,8 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
 }
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
-  return "<line x1=\"" + f1(x1) + "\" y1=\"" + f1(y1) + "\" x2=\"" + f1(x2) + "\" y2=\"" + f1(y2) + "\" " + style + "/>";
+  return "<line x1=\"" + f1(x1) + "\" y1=\"" + f1(y1) + "\" x2=\"" + f1(x2) + "\" y2=\"" + f1(y2) + "\" " + style +
+         "/>";
 }
 
 std::string polygon(const std::vector<std::array<double, 2>>& points, const std::string& style) {
@@ -109,9 +110,12 @@ std::pair<std::string, int> draw_legend(const std::vector<LegendEntry>& entries,
       ++row;
     }
     const double y = first_y + kLegendRow * row;
-    if (e.is_bar) out += "<rect x=\"" + f1(x + 5) + "\" y=\"" + f1(y - 6) + "\" width=\"12\" height=\"12\" rx=\"2\" fill=\"" + e.color + "\"/>";
+    if (e.is_bar)
+      out += "<rect x=\"" + f1(x + 5) + "\" y=\"" + f1(y - 6) + "\" width=\"12\" height=\"12\" rx=\"2\" fill=\"" +
+             e.color + "\"/>";
     if (e.has_line) {
-      out += line(x, y, x + 22, y, "stroke=\"" + e.color + "\" stroke-width=\"2\"" + (e.is_dashed ? " stroke-dasharray=\"5 4\"" : ""));
+      out += line(x, y, x + 22, y,
+                  "stroke=\"" + e.color + "\" stroke-width=\"2\"" + (e.is_dashed ? " stroke-dasharray=\"5 4\"" : ""));
     }
     out += mark_at(e.mark, x + 11, y, e.color);
     out += text_at(x + 28, y + 4, e.label, "class=\"k\"", "start");
@@ -183,8 +187,8 @@ std::string draw_bars(const Frame& f, const Plot& plot) {
       const double x = f.px(static_cast<double>(i) - 0.37 + slot * static_cast<double>(b));
       const double width = f.px(slot) - f.px(0) - 2;
       const double y = std::min(f.py(value), f.py(0)), height = std::abs(f.py(0) - f.py(value));
-      out += "<rect x=\"" + f1(x) + "\" y=\"" + f1(y) + "\" width=\"" + f1(width) + "\" height=\"" + f1(std::max(height, 0.5)) +
-             "\" rx=\"2\" fill=\"" + plot.bars[b].color + "\"/>";
+      out += "<rect x=\"" + f1(x) + "\" y=\"" + f1(y) + "\" width=\"" + f1(width) + "\" height=\"" +
+             f1(std::max(height, 0.5)) + "\" rx=\"2\" fill=\"" + plot.bars[b].color + "\"/>";
       const double label_y = value >= 0 ? y - 5 : y + height + 12;
       if (width > 12) out += text_at(x + 0.5 * width, label_y, short_number(value, 2), "class=\"v\"");
     }
@@ -206,7 +210,8 @@ std::string draw_series(const Frame& f, const Series& s) {
   }
   if (!s.has_line) return marks;
   return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + s.color + "\" stroke-width=\"" + f1(s.width_px) +
-         "\" stroke-linejoin=\"round\" stroke-linecap=\"round\"" + (s.is_dashed ? " stroke-dasharray=\"5 4\"" : "") + "/>" + marks;
+         "\" stroke-linejoin=\"round\" stroke-linecap=\"round\"" + (s.is_dashed ? " stroke-dasharray=\"5 4\"" : "") +
+         "/>" + marks;
 }
 
 std::string draw_circle(const Frame& f, const Circle& c) {
@@ -229,8 +234,9 @@ std::string to_svg(const Plot& plot) {
   fit(f, plot);
 
   const std::string size = std::to_string(plot.width_px) + " " + std::to_string(plot.height_px);
-  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + size + "\" role=\"img\" aria-label=\"" +
-                    escape_html(plot.title) + "\" font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\">";
+  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + size +
+                    "\" role=\"img\" aria-label=\"" + escape_html(plot.title) +
+                    "\" font-family=\"system-ui,'Segoe UI','DejaVu Sans',Helvetica,Arial,sans-serif\">";
   out += "<style>.g{stroke:#e6e9ec;stroke-width:1}.a{stroke:#4a5560;stroke-width:1.2}.t{font-size:11.5px;fill:#4a5560}"
          ".l{font-size:12.5px;fill:#1d252c}.k{font-size:12px;fill:#1d252c}.v{font-size:10.5px;fill:#1d252c}"
          ".h{font-size:14px;font-weight:600;fill:#1d252c}</style>";
@@ -239,7 +245,8 @@ std::string to_svg(const Plot& plot) {
   out += draw_bars(f, plot);
   for (const Series& s : plot.series) out += draw_series(f, s);
   if (plot.reference_y) {
-    out += line(f.left, f.py(*plot.reference_y), f.left + f.width, f.py(*plot.reference_y), "stroke=\"#4a5560\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\"");
+    out += line(f.left, f.py(*plot.reference_y), f.left + f.width, f.py(*plot.reference_y),
+                "stroke=\"#4a5560\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\"");
   }
   return out + "</svg>";
 }

@@ -37,7 +37,8 @@ std::optional<int> parse_flags(int argc, char** argv, ArmSimFlags& flags) {
   app.add_option("--camera", flags.camera_address, "ADDR:PORT of the camera, port 0: chosen and printed")->required();
   app.add_option("--camera-mount", mount, "near (its nominal mount) | anywhere")
       ->check(CLI::IsMember({"near", "anywhere"}));
-  app.add_option("--rate", flags.rate_hz, "cycles a second, instead of the robot file's")->check(CLI::Range(1.0, 2000.0));
+  app.add_option("--rate", flags.rate_hz, "cycles a second, instead of the robot file's")
+      ->check(CLI::Range(1.0, 2000.0));
   app.add_option("--log", flags.log_file, "write the bus' traffic there as candump -L text");
   if (const auto code = host::parse_flags(app, argc, argv)) return code;
   flags.noise = *noise_set_from_text(noise);

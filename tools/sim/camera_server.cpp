@@ -25,14 +25,16 @@ net::StreamOptions stream_options() {
 
 std::uint32_t introduce(std::string_view first_payload) {
   wire::CameraMessage message;
-  const bool is_hello = message.ParseFromArray(first_payload.data(), static_cast<int>(first_payload.size())) && message.has_hello();
+  const bool is_hello =
+      message.ParseFromArray(first_payload.data(), static_cast<int>(first_payload.size())) && message.has_hello();
   return is_hello ? message.hello().sim_participant() : 0;
 }
 
 }  // namespace
 
-CameraServer::CameraServer(const std::string& address, net::Clock& clock, const Scene& scene, const MarkerConfig& hand_marker,
-                           const NoiseFigures& noise, std::uint64_t seed, ToOwnClock to_own_clock)
+CameraServer::CameraServer(const std::string& address, net::Clock& clock, const Scene& scene,
+                           const MarkerConfig& hand_marker, const NoiseFigures& noise, std::uint64_t seed,
+                           ToOwnClock to_own_clock)
     : optics_(scene.camera),
       seed_(seed),
       to_own_clock_(std::move(to_own_clock)),
@@ -90,7 +92,8 @@ void CameraServer::answer(net::FramedStream& stream, Client& client, const std::
 void CameraServer::begin_exposures(std::int64_t now_ns) {
   const std::int64_t period_ns = nanoseconds(1.0 / optics_.rate_hz), exposure_ns = nanoseconds(optics_.exposure_s);
   const std::uint64_t due = now_ns < 0 ? 0 : static_cast<std::uint64_t>(now_ns / period_ns) + 1;
-  const bool is_wanted = std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c.second.wanted > 0; });
+  const bool is_wanted =
+      std::any_of(clients_.begin(), clients_.end(), [](const auto& c) { return c.second.wanted > 0; });
   if (!is_wanted) next_number_ = std::max(next_number_, due);
   for (; next_number_ < due; ++next_number_) {
     Exposure exposure;
@@ -115,7 +118,8 @@ void CameraServer::draw(Exposure& exposure, const WorldAt& world_at) {
   std::array<WorldView, kInstants> instants;
   for (int i = 0; i < kInstants; ++i) {
     const double part = (i + 0.5) / kInstants - 0.5;  // of the exposure, about its middle
-    instants[static_cast<std::size_t>(i)] = world_at(static_cast<double>(exposure.middle_ns) * 1e-9 + part * optics_.exposure_s);
+    instants[static_cast<std::size_t>(i)] =
+        world_at(static_cast<double>(exposure.middle_ns) * 1e-9 + part * optics_.exposure_s);
   }
   exposure.picture = renderer_.render(instants);
   ++rendered_;

@@ -22,7 +22,11 @@ int bytes_of(std::uint32_t mapping) { return static_cast<int>(mapping & 0xFF) / 
 }  // namespace
 
 CanopenDevice::CanopenDevice(std::uint8_t node, SendFrame send)
-    : node_(node), send_(std::move(send)), next_heartbeat_(kNever), heartbeat_deadline_(kNever), rpdo_deadline_(kNever) {
+    : node_(node),
+      send_(std::move(send)),
+      next_heartbeat_(kNever),
+      heartbeat_deadline_(kNever),
+      rpdo_deadline_(kNever) {
   add_communication_objects();
 }
 

@@ -15,7 +15,8 @@ constexpr std::uint32_t kRatedTorque_mNm = 6000;  // actuator of specification Â
 
 }  // namespace
 
-DriveState next_drive_state(DriveState state, std::uint16_t cw, std::uint32_t quick_stop_option, bool fault_reset_edge) {
+DriveState next_drive_state(DriveState state, std::uint16_t cw, std::uint32_t quick_stop_option,
+                            bool fault_reset_edge) {
   using enum DriveState;
   if (state == kFault) return fault_reset_edge ? kSwitchOnDisabled : kFault;
   const bool is_powered = state == kSwitchedOn || state == kOperationEnabled || state == kQuickStopActive;

@@ -36,7 +36,8 @@ void Fingers::step(double dt_s) {
 }
 
 std::int32_t Fingers::position_counts() {
-  return hand_.open_counts + static_cast<std::int32_t>(std::lround(closure_ * (hand_.closed_counts - hand_.open_counts)));
+  return hand_.open_counts +
+         static_cast<std::int32_t>(std::lround(closure_ * (hand_.closed_counts - hand_.open_counts)));
 }
 
 std::int16_t Fingers::torque_permille() const {

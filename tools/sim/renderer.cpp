@@ -24,7 +24,8 @@ double smear_px(const WorldView& a, const WorldView& b, const host::Intrinsics& 
     return p && q ? largest_distance(*p, *q) : 0.0;
   };
   const double fingers = 60.0 * std::abs(a.hand_closure - b.hand_closure);
-  return std::max({moved(a.T_C_B * a.T_B_H, b.T_C_B * b.T_B_H, 0.2), moved(a.T_C_B * a.T_B_O, b.T_C_B * b.T_B_O, 0.1), fingers});
+  return std::max(
+      {moved(a.T_C_B * a.T_B_H, b.T_C_B * b.T_B_H, 0.2), moved(a.T_C_B * a.T_B_O, b.T_C_B * b.T_B_O, 0.1), fingers});
 }
 
 /// Steps of about a pixel are smooth behind the defocus: little motion needs few instants.
@@ -44,7 +45,11 @@ Renderer::Renderer(const Scene& scene, const MarkerConfig& hand_marker, const No
       noise_(noise),
       random_(seed),
       hand_marker_{hand_marker, host::marker_pattern(hand_marker.dictionary, hand_marker.id), {}, {}, {}},
-      object_marker_{scene.object.marker, host::marker_pattern(scene.object.marker.dictionary, scene.object.marker.id), {}, {}, {}},
+      object_marker_{scene.object.marker,
+                     host::marker_pattern(scene.object.marker.dictionary, scene.object.marker.id),
+                     {},
+                     {},
+                     {}},
       caster_(scene.camera.intrinsics),
       optics_(scene.camera, scene.light, seed ^ 0x0B71C5) {
   still_T_C_B_.p.setConstant(1e9);  // nothing drawn yet

@@ -60,7 +60,9 @@ SceneObject read_object(const YamlValue& in) {
 
 GraspTruth read_grasp(const YamlValue& in) {
   const std::vector<double> centre = in.key("centre_m").numbers(3, -0.5, 0.5);
-  return {{centre[0], centre[1], centre[2]}, in.key("tolerance_m").number(0.0, 0.1), in.key("tolerance_rad").number(0.0, 1.0)};
+  return {{centre[0], centre[1], centre[2]},
+          in.key("tolerance_m").number(0.0, 0.1),
+          in.key("tolerance_rad").number(0.0, 1.0)};
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ double can_albedo(const Vector3& p_S, double half_height) {
   const double turn = std::atan2(p_S.y(), p_S.x()) / std::numbers::pi;
   if (z > 0.18 && z < 0.62) {
     const double u = turn * 16.0, cell = u - std::floor(u);
-    const bool is_mark = z > 0.30 && z < 0.50 && cell > 0.22 && cell < 0.62 + 0.3 * lattice(static_cast<int>(std::floor(u)), 3);
+    const bool is_mark =
+        z > 0.30 && z < 0.50 && cell > 0.22 && cell < 0.62 + 0.3 * lattice(static_cast<int>(std::floor(u)), 3);
     return is_mark ? 0.16 : 0.66;
   }
   if (std::abs(z + 0.45) < 0.03) return 0.6;
@@ -79,7 +80,11 @@ double object_shadow(const Stage& stage, const Vector3& p_T) {
   const Matrix3 R_O_C = (stage.T_T_O.inverse() * stage.T_T_C).R;
   const Vector3 lamp_O = R_O_C * stage.lamp;
   const Vector3 u = lamp_O.unitOrthogonal(), v = lamp_O.cross(u);
-  const Shape object{Form::kCylinder, Material::kCan, {}, {stage.object_radius_m, stage.object_radius_m, stage.object_half_height_m}, nullptr};
+  const Shape object{Form::kCylinder,
+                     Material::kCan,
+                     {},
+                     {stage.object_radius_m, stage.object_radius_m, stage.object_half_height_m},
+                     nullptr};
   constexpr int kRays = 24;
   int hidden = 0;
   for (int i = 0; i < kRays; ++i) {
@@ -125,14 +130,16 @@ double shade_room(const Stage& stage, const Vector3& d_C) {
     const Vector3 p = eye + to_floor * d;
     const double tile_x = p.x() / 0.40 - std::floor(p.x() / 0.40), tile_y = p.y() / 0.40 - std::floor(p.y() / 0.40);
     const double joint = tile_x < 0.015 || tile_y < 0.015 ? -0.05 : 0.0;
-    const double speckle = 0.012 * smooth_noise(p.x() * 90.0, p.y() * 90.0) + 0.02 * smooth_noise(p.x() * 5.0, p.y() * 5.0);
+    const double speckle =
+        0.012 * smooth_noise(p.x() * 90.0, p.y() * 90.0) + 0.02 * smooth_noise(p.x() * 5.0, p.y() * 5.0);
     const double under = std::exp(-p.head<2>().squaredNorm() / 0.08);  // the table keeps the light off
     const double corner = std::exp(-(kWall - std::min(to_floor * level_speed, kWall)) / 0.25);
     return kWhiteLevel * (0.30 + joint + speckle) * (1.0 - 0.35 * under) * (1.0 - 0.25 * corner);
   }
   const double height = eye.z() + to_wall * d.z() + kFloorBelowTable;
   const double skirting = height < 0.09 ? -0.16 : 0.0;
-  return kWhiteLevel * (0.50 + skirting + 0.06 * std::tanh(height - 0.8) + 0.008 * smooth_noise(d.x() * 40.0, height * 20.0)) *
+  return kWhiteLevel *
+         (0.50 + skirting + 0.06 * std::tanh(height - 0.8) + 0.008 * smooth_noise(d.x() * 40.0, height * 20.0)) *
          (1.0 - 0.25 * std::exp(-std::max(height, 0.0) / 0.20));
 }
 

@@ -103,8 +103,11 @@ Shape capsule(Material material, const Vector3& a_C, const Vector3& b_C, double 
   const Vector3 axis = b_C - a_C;
   const double length = axis.norm();
   const Vector3 z = length > 1e-9 ? Vector3(axis / length) : Vector3::UnitZ();
-  return {Form::kCapsule, material, {Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), z).toRotationMatrix(), 0.5 * (a_C + b_C)},
-          {radius, radius, 0.5 * length}, nullptr};
+  return {Form::kCapsule,
+          material,
+          {Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), z).toRotationMatrix(), 0.5 * (a_C + b_C)},
+          {radius, radius, 0.5 * length},
+          nullptr};
 }
 
 Shape cylinder(Material material, const Pose& T_C_S, double radius, double half_length) {

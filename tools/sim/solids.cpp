@@ -44,9 +44,11 @@ void add_hand(const Pose& T_C_H, double closure, std::vector<Shape>& out) {
   const auto in_hand = [&](const Vector3& p) { return T_C_H * Pose{Matrix3::Identity(), p}; };
   out.push_back(box(Material::kGraphite, in_hand({0.001, -0.042, 0.0}), {0.0125, 0.036, 0.034}));
   for (const double z : {-0.034, 0.034}) {
-    out.push_back(capsule(Material::kGraphite, T_C_H * Vector3(0.001, -0.010, z), T_C_H * Vector3(0.001, -0.074, z), 0.0125));
+    out.push_back(
+        capsule(Material::kGraphite, T_C_H * Vector3(0.001, -0.010, z), T_C_H * Vector3(0.001, -0.074, z), 0.0125));
   }
-  out.push_back(capsule(Material::kGraphite, T_C_H * Vector3(0.001, -0.076, -0.034), T_C_H * Vector3(0.001, -0.076, 0.034), 0.0125));
+  out.push_back(capsule(Material::kGraphite, T_C_H * Vector3(0.001, -0.076, -0.034),
+                        T_C_H * Vector3(0.001, -0.076, 0.034), 0.0125));
   out.push_back(box(Material::kRubber, in_hand({0.0155, -0.030, 0.0}), {0.003, 0.022, 0.022}));
   for (const double z : {-0.036, -0.0125, 0.0125, 0.036}) {
     const double shorter = std::abs(z) > 0.03 ? 0.88 : 1.0;
@@ -54,7 +56,8 @@ void add_hand(const Pose& T_C_H, double closure, std::vector<Shape>& out) {
                {0.06 + 0.85 * closure, 0.10 + 1.10 * closure, 0.08 + 0.75 * closure}, 0.0088, out);
   }
   const Vector3 thumb = Vector3(0.0, -0.62, 0.78).normalized();
-  out.push_back(capsule(Material::kGraphite, T_C_H * Vector3(0.0, -0.022, 0.036), T_C_H * Vector3(0.0, -0.030, 0.046), 0.0115));
+  out.push_back(
+      capsule(Material::kGraphite, T_C_H * Vector3(0.0, -0.022, 0.036), T_C_H * Vector3(0.0, -0.030, 0.046), 0.0115));
   add_finger(T_C_H, {0.001, -0.030, 0.046}, thumb, {0.030, 0.026, 0.019},
              {0.05 + 0.9 * closure, 0.05 + 0.7 * closure, 0.05 + 0.5 * closure}, 0.0095, out);
 }
@@ -62,7 +65,8 @@ void add_hand(const Pose& T_C_H, double closure, std::vector<Shape>& out) {
 void add_plate(const Pose& T_C_M, double side_m, std::shared_ptr<const MarkerPrint> print, std::vector<Shape>& out) {
   constexpr double kHalfThickness = 0.0010;
   const double h = 0.5 * side_m;
-  Shape plate = box(Material::kWhitePlate, T_C_M * Pose{Matrix3::Identity(), {0, 0, -kHalfThickness}}, {h, h, kHalfThickness});
+  Shape plate =
+      box(Material::kWhitePlate, T_C_M * Pose{Matrix3::Identity(), {0, 0, -kHalfThickness}}, {h, h, kHalfThickness});
   plate.print = std::move(print);
   out.push_back(std::move(plate));
 }
@@ -86,13 +90,16 @@ Pose table_top(const Scene& scene, const Pose& T_B_O) {
   Pose T_B_T;
   T_B_T.R << right, forward, up;
   const Vector3 foot = T_B_O.p - 0.5 * scene.object.height_m * up;
-  const Vector3 middle = scene.object.position_B + scene.table.shift_right_m * right + scene.table.shift_forward_m * forward;
+  const Vector3 middle =
+      scene.object.position_B + scene.table.shift_right_m * right + scene.table.shift_forward_m * forward;
   T_B_T.p = middle + up * up.dot(foot - middle);
   return T_B_T;
 }
 
 void add_table(const Pose& T_C_T, const Table& table, std::vector<Shape>& out) {
-  const auto below = [&](double x, double y, double depth) { return T_C_T * Pose{Matrix3::Identity(), {x, y, -depth}}; };
+  const auto below = [&](double x, double y, double depth) {
+    return T_C_T * Pose{Matrix3::Identity(), {x, y, -depth}};
+  };
   const double half = 0.5 * table.thickness_m;
   out.push_back(box(Material::kWood, below(0, 0, half), {table.half_right_m, table.half_forward_m, half}));
   constexpr double kLegHalf = 0.35;

@@ -24,7 +24,7 @@ using WorldAt = std::function<WorldView(double sim_time_s)>;
 using ToOwnClock = std::function<std::int64_t(std::uint32_t participant, std::int64_t sim_time_ns)>;
 
 // arm_sim's loop calls CameraServer::advance(sim_time_ns, world_at) after each cycle with the cycle's end: exposures up
-// to then are decided, frames whose latency is over are sent (FramedStream counts them on its channel). At real pace the
-// camera has a thread of its own, so that rendering never delays the bus.
+// to then are decided, frames whose latency is over are sent (FramedStream counts them on its channel). At real pace
+// the camera has a thread of its own, so that rendering never delays the bus.
 
 }  // namespace armsight::sim
