@@ -1,5 +1,5 @@
-// What Learn leaves on disk is what Learn was given: nothing of the last run goes before there is something new, and the
-// saved looks solve to the same model.
+// What Learn leaves on disk is what Learn was given: nothing of the last run goes before there is something new, and
+// the saved looks solve to the same model.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -42,7 +42,8 @@ class LookFilesTest : public testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / ("armsight-looks-" + std::to_string(getpid()));
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("armsight-looks-" + std::to_string(getpid()));
   std::filesystem::path looks_ = folder_ / "looks";
   RobotConfig robot_ = load_robot(ARMSIGHT_ROBOT_YAML);
 };
@@ -66,7 +67,8 @@ TEST_F(LookFilesTest, SolveToTheVeryModelOfTheLiveRun) {
   const ChainModel again = calibrate_dataset(dataset, {}).solution.model;
   EXPECT_EQ(again.T_C_a.value.p, live.model.T_C_B.p);
   EXPECT_EQ(again.T_C_a.value.R, live.model.T_C_B.R);
-  for (int j = 0; j < 5; ++j) EXPECT_EQ(again.offsets[static_cast<std::size_t>(j)].value, live.model.beta[j]) << "joint " << j + 1;
+  for (int j = 0; j < 5; ++j)
+    EXPECT_EQ(again.offsets[static_cast<std::size_t>(j)].value, live.model.beta[j]) << "joint " << j + 1;
   EXPECT_GT(live.model.beta.cwiseAbs().maxCoeff(), 0.01) << "no offset was there to find";
 }
 

@@ -44,7 +44,8 @@ class Run : public testing::Test {
     return code;
   }
 
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / ("armsight-run-" + std::to_string(getpid()));
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / ("armsight-run-" + std::to_string(getpid()));
   std::string said_;
 };
 
@@ -128,8 +129,9 @@ TEST_F(Run, ADataSetThatIsNoneIsRefused) {
 
 // A link to itself: asking whether it exists throws an exception of the library's own.
 TEST_F(Run, WhatNobodyForesawIsOneLineAndExitCode1) {
-  std::ofstream(folder_ / "dataset.yaml") << "dataset: looped\nchains:\n  - {name: arm, given: true}\ncamera: {on: root}\n"
-                                             "targets:\n  - {name: tag, on: arm, kind: pose}\n";
+  std::ofstream(folder_ / "dataset.yaml")
+      << "dataset: looped\nchains:\n  - {name: arm, given: true}\ncamera: {on: root}\n"
+         "targets:\n  - {name: tag, on: arm, kind: pose}\n";
   std::filesystem::create_symlink("arm.csv", folder_ / "arm.csv");
   CommandLine line;
   line.verb = Verb::kCalibrate;

@@ -21,7 +21,10 @@ TEST_F(Move, ToAPoseKeepsToTheSpeedAskedFor) {
   ASSERT_EQ(arm().host({"move", "--joints=0.2,-0.2,-0.2,1.0,0.0"}), 0);
   const double begun_s = conductor().time_s();
   // The nominal hand pose at 0.9, 0.3, -0.8, 1.6, 0.6 rad: more than a radian away.
-  ASSERT_EQ(arm().host({"move", "--pose=0.028730568,-0.171056387,-0.174780504,0.764019853,0.524954480,-0.196979848,0.319210586", "--speed", "0.1"}), 0);
+  ASSERT_EQ(arm().host({"move",
+                        "--pose=0.028730568,-0.171056387,-0.174780504,0.764019853,0.524954480,-0.196979848,0.319210586",
+                        "--speed", "0.1"}),
+            0);
   const double took_s = conductor().time_s() - begun_s;
   const Truth truth = arm().finish();
   const std::int64_t begun_ns = truth.rows.back().arm_time_ns - static_cast<std::int64_t>(took_s * 1e9);

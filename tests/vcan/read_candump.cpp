@@ -1,4 +1,5 @@
-// Reads candump -L text from standard input and writes it again: what our reader understood. Exit 1 at a line it refuses.
+// Reads candump -L text from standard input and writes it again: what our reader understood. Exit 1 at a line it
+// refuses.
 #include <cstdio>
 #include <iostream>
 #include <string>
