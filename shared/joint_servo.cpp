@@ -7,108 +7,160 @@
 namespace armsight {
 namespace {
 
-/// Rounding of a landing: within it a joint stands exactly on its target.
-constexpr double kLanded_rad = 1e-11, kLanded_rad_s = 1e-8;
+/// A joint with less to go than this needs no share of the line.
+constexpr double kNoWay_rad = 1e-9;
 
-/// Greatest speed at the end of this step (speed v now) that still lets a joint stop within `distance`: braking takes
-/// whole steps of A·dt and a last smaller one, so with k whole steps left the way is
-/// ½ v dt + (k+1) v' dt − ½ k(k+1) A dt²; solved for v'. Equality, kept step by step, ends exactly there.
-double approach_speed(double distance, double v, double A, double dt) {
-  const double way = distance - 0.5 * v * dt;
-  if (way <= 0.0) return 0.0;
-  const double unit = A * dt * dt;
-  const double k = std::floor(0.5 * (std::sqrt(1.0 + 8.0 * way / unit) - 1.0));
-  return (way + 0.5 * k * (k + 1.0) * unit) / ((k + 1.0) * dt);
-}
-
-/// Shortest time to `distance` ≥ 0 and rest there, from speed v towards it (v < 0: away).
-double least_time(double distance, double v, double V, double A) {
-  const double braking = v * v / (2.0 * A);
-  if (v < 0.0) return -v / A + least_time(distance + braking, 0.0, V, A);
-  if (distance < braking) return v / A + least_time(braking - distance, 0.0, V, A);
-  if (v > V) return v / A + (distance - braking) / V;
-  const double peak = std::sqrt(A * distance + 0.5 * v * v);
-  if (peak <= V) return (2.0 * peak - v) / A;
-  return (V - v) / A + (distance + braking) / V;
-}
-
-/// Cruising speed with which that takes the time T instead, V where it cannot be stretched.
-double cruise_speed(double distance, double v, double V, double A, double T) {
-  const double braking = v * v / (2.0 * A);
-  if (v < 0.0) return cruise_speed(distance + braking, 0.0, V, A, T + v / A);
-  if (distance <= braking) return V;
-  const double b = A * T + v;
-  const double discriminant = b * b - 4.0 * (A * distance + 0.5 * v * v);
-  if (discriminant < 0.0) return V;
-  const double faster = 0.5 * (b - std::sqrt(discriminant));
-  return std::min(V, faster >= v ? faster : (distance - braking) / (T - v / A));
-}
+bool is_step(double dt_s) { return dt_s > 0.0 && std::isfinite(dt_s); }
+std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-JointServo::JointServo(const JointLimits& limits) : limits_(limits) {
+JointServo::JointServo(const JointLimits& limits) : limits_(limits), wanted_limits_(limits) {
   reset(JointVector::Zero(limits.min_rad.size()));
 }
 
 void JointServo::reset(const JointVector& q_rad) {
   assert(q_rad.size() == limits_.min_rad.size());
   setpoint_ = {q_rad, JointVector::Zero(q_rad.size()), JointVector::Zero(q_rad.size())};
+  limits_ = wanted_limits_;
+  waits_ = {};
+  trip_target_ = q_rad;
+  trip_scale_ = 0.0;
+  for (Eigen::Index i = 0; i < q_rad.size(); ++i) trip_limits_[index(i)] = axis_limits(i);
 }
 
-void JointServo::move_joint(Eigen::Index i, double wanted_rad_s, double dt_s) {
-  const double q = setpoint_.q_rad[i], v = setpoint_.speed_rad_s[i];
-  const double V = limits_.max_speed_rad_s[i], A = limits_.max_acceleration_rad_s2[i];
-  const double upper = std::min(V, approach_speed(limits_.max_rad[i] - q, v, A, dt_s));
-  const double lower = -std::min(V, approach_speed(q - limits_.min_rad[i], -v, A, dt_s));
-  const double next = std::clamp(std::clamp(wanted_rad_s, lower, upper), v - A * dt_s, v + A * dt_s);
-  // A joint that starts outside its limits may come back but goes no further; rounding ends at the limit.
-  const double q_next = std::clamp(q + 0.5 * (v + next) * dt_s, std::min(q, limits_.min_rad[i]),
-                                   std::max(q, limits_.max_rad[i]));
-  setpoint_.q_rad[i] = q_next;
-  setpoint_.speed_rad_s[i] = next;
-  setpoint_.acceleration_rad_s2[i] = (next - v) / dt_s;
+void JointServo::set_limits(const JointLimits& limits) {
+  assert(limits.min_rad.size() == limits_.min_rad.size());
+  wanted_limits_ = limits;
+  limits_.min_rad = limits.min_rad;
+  limits_.max_rad = limits.max_rad;
+  limits_.max_speed_rad_s = limits.max_speed_rad_s;
+  for (Eigen::Index i = 0; i < limits.min_rad.size(); ++i) {
+    waits_[index(i)] = true;
+    trip_limits_[index(i)] = axis_limits(i);
+  }
+  trip_scale_ = 0.0;
+}
+
+AxisState JointServo::axis(Eigen::Index i) const {
+  return {setpoint_.q_rad[i], setpoint_.speed_rad_s[i], setpoint_.acceleration_rad_s2[i]};
+}
+
+AxisLimits JointServo::axis_limits(Eigen::Index i, double speed_scale) const {
+  return {speed_scale * limits_.max_speed_rad_s[i], limits_.max_acceleration_rad_s2[i], limits_.max_jerk_rad_s3[i]};
+}
+
+void JointServo::put(Eigen::Index i, const AxisState& x) {
+  setpoint_.q_rad[i] = x.q_rad;
+  setpoint_.speed_rad_s[i] = x.speed_rad_s;
+  setpoint_.acceleration_rad_s2[i] = x.acceleration_rad_s2;
+}
+
+void JointServo::adopt_limits() {
+  for (Eigen::Index i = 0; i < limits_.min_rad.size(); ++i) {
+    const AxisLimits wanted{limits_.max_speed_rad_s[i], wanted_limits_.max_acceleration_rad_s2[i],
+                            wanted_limits_.max_jerk_rad_s3[i]};
+    if (!waits_[index(i)] || !may_adopt(i, wanted)) continue;
+    limits_.max_acceleration_rad_s2[i] = wanted.acceleration_rad_s2;
+    limits_.max_jerk_rad_s3[i] = wanted.jerk_rad_s3;
+    trip_limits_[index(i)] = wanted;
+    trip_scale_ = 0.0;
+    waits_[index(i)] = false;
+  }
+}
+
+/// The stop may touch no place, and the coasting reach no speed, beyond the limits, unless it cannot be helped.
+bool JointServo::may_adopt(Eigen::Index i, const AxisLimits& wanted) const {
+  const AxisState x = axis(i);
+  const AxisLimits now = axis_limits(i);
+  const StopSpan then = stop_span(x, wanted), best = stop_span(x, now);
+  const double coasting = std::abs(coasting_speed(x, wanted.jerk_rad_s3));
+  return then.lowest_rad >= std::min(limits_.min_rad[i], best.lowest_rad) &&
+         then.highest_rad <= std::max(limits_.max_rad[i], best.highest_rad) &&
+         coasting <= std::max(now.speed_rad_s, std::abs(coasting_speed(x, now.jerk_rad_s3)));
+}
+
+void JointServo::plan_trip(const JointVector& target, double speed_scale) {
+  if (target == trip_target_ && speed_scale == trip_scale_) return;
+  trip_target_ = target;
+  trip_scale_ = speed_scale;
+  for (Eigen::Index i = 0; i < target.size(); ++i) trip_limits_[index(i)] = axis_limits(i, speed_scale);
+  if (is_at_rest()) plan_on_a_line((target - setpoint_.q_rad).cwiseAbs(), speed_scale);
+  else plan_in_motion(target, speed_scale);
+}
+
+void JointServo::plan_on_a_line(const JointVector& way, double speed_scale) {
+  AxisLimits line{HUGE_VAL, HUGE_VAL, HUGE_VAL};                               // of the part of the way gone, 0 to 1
+  for (Eigen::Index i = 0; i < way.size(); ++i) {
+    if (way[i] < kNoWay_rad) continue;
+    const AxisLimits own = axis_limits(i, speed_scale);
+    line.speed_rad_s = std::min(line.speed_rad_s, own.speed_rad_s / way[i]);
+    line.acceleration_rad_s2 = std::min(line.acceleration_rad_s2, own.acceleration_rad_s2 / way[i]);
+    line.jerk_rad_s3 = std::min(line.jerk_rad_s3, own.jerk_rad_s3 / way[i]);
+  }
+  for (Eigen::Index i = 0; i < way.size(); ++i) {
+    if (way[i] < kNoWay_rad) continue;
+    trip_limits_[index(i)] = {line.speed_rad_s * way[i], line.acceleration_rad_s2 * way[i], line.jerk_rad_s3 * way[i]};
+  }
+}
+
+void JointServo::plan_in_motion(const JointVector& target, double speed_scale) {
+  double slowest_s = 0.0;
+  for (Eigen::Index i = 0; i < target.size(); ++i)
+    slowest_s = std::max(slowest_s, trip_time(axis(i), target[i], axis_limits(i, speed_scale)));
+  for (Eigen::Index i = 0; i < target.size(); ++i)
+    trip_limits_[index(i)].speed_rad_s = cruise_for_time(axis(i), target[i], axis_limits(i, speed_scale), slowest_s);
 }
 
 const JointSetpoint& JointServo::step_towards(const JointVector& target_rad, double speed_scale, double dt_s) {
   const bool is_sound = target_rad.size() == setpoint_.q_rad.size() && target_rad.allFinite() && speed_scale > 0.0;
   if (!is_sound) return step_to_rest(dt_s);
-  if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return setpoint_;
+  if (!is_step(dt_s)) return setpoint_;
+  adopt_limits();
   const JointVector target = target_rad.cwiseMax(limits_.min_rad).cwiseMin(limits_.max_rad);
-  const JointVector speed = std::min(speed_scale, 1.0) * limits_.max_speed_rad_s;
-  const JointVector& acceleration = limits_.max_acceleration_rad_s2;
-  const JointVector way = target - setpoint_.q_rad;
-  const auto towards = [&](Eigen::Index i) { return std::copysign(1.0, way[i]) * setpoint_.speed_rad_s[i]; };
-  JointVector time = JointVector::Zero(target.size());
+  plan_trip(target, std::min(speed_scale, 1.0));
   for (Eigen::Index i = 0; i < target.size(); ++i) {
-    time[i] = least_time(std::abs(way[i]), towards(i), speed[i], acceleration[i]);
-  }
-  const double slowest = time.maxCoeff();
-  for (Eigen::Index i = 0; i < target.size(); ++i) {
-    const double v = towards(i), A = acceleration[i];
-    const bool can_wait = time[i] < slowest - dt_s;
-    const double cruise = can_wait ? cruise_speed(std::abs(way[i]), v, speed[i], A, slowest) : speed[i];
-    const double wanted = std::min(cruise, approach_speed(std::abs(way[i]), v, A, dt_s));
-    move_joint(i, std::copysign(wanted, way[i]), dt_s);
-    const bool has_landed = std::abs(target[i] - setpoint_.q_rad[i]) < kLanded_rad &&
-                            std::abs(setpoint_.speed_rad_s[i]) < kLanded_rad_s;
-    if (!has_landed) continue;
-    setpoint_.q_rad[i] = target[i];
-    setpoint_.speed_rad_s[i] = 0.0;
+    const AxisLimits& limits = trip_limits_[index(i)];
+    put(i, waits_[index(i)] ? armsight::step_to_rest(axis(i), limits, dt_s)
+                            : step_to_place(axis(i), target[i], limits, dt_s));
   }
   return setpoint_;
 }
 
+AxisState JointServo::step_axis_with_speed(Eigen::Index i, double wanted_rad_s, double dt_s) const {
+  const AxisState x = axis(i);
+  AxisLimits limits = axis_limits(i);
+  const double end = stop_span(x, limits).end_rad, place = wanted_rad_s > 0.0 ? limits_.max_rad[i] : limits_.min_rad[i];
+  const bool has_room = wanted_rad_s > 0.0 ? end < place : end > place;
+  if (wanted_rad_s == 0.0 || !has_room || waits_[index(i)]) return armsight::step_to_rest(x, limits, dt_s);
+  limits.speed_rad_s = std::min(limits.speed_rad_s, std::abs(wanted_rad_s));
+  return step_to_place(x, place, limits, dt_s);
+}
+
 const JointSetpoint& JointServo::step_with_speed(const JointVector& speed_rad_s, double dt_s) {
-  if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return setpoint_;
   const bool is_sound = speed_rad_s.size() == setpoint_.q_rad.size() && speed_rad_s.allFinite();
-  for (Eigen::Index i = 0; i < setpoint_.q_rad.size(); ++i) move_joint(i, is_sound ? speed_rad_s[i] : 0.0, dt_s);
+  if (!is_sound) return step_to_rest(dt_s);
+  if (!is_step(dt_s)) return setpoint_;
+  adopt_limits();
+  trip_scale_ = 0.0;
+  for (Eigen::Index i = 0; i < setpoint_.q_rad.size(); ++i) {
+    trip_limits_[index(i)] = axis_limits(i);
+    put(i, step_axis_with_speed(i, speed_rad_s[i], dt_s));
+  }
   return setpoint_;
 }
 
 const JointSetpoint& JointServo::step_to_rest(double dt_s) {
-  return step_with_speed(JointVector::Zero(setpoint_.q_rad.size()), dt_s);
+  if (!is_step(dt_s)) return setpoint_;
+  adopt_limits();
+  trip_scale_ = 0.0;
+  for (Eigen::Index i = 0; i < setpoint_.q_rad.size(); ++i)
+    put(i, armsight::step_to_rest(axis(i), trip_limits_[index(i)], dt_s));
+  return setpoint_;
 }
 
-bool JointServo::is_at_rest() const { return (setpoint_.speed_rad_s.array() == 0.0).all(); }
+bool JointServo::is_at_rest() const {
+  return (setpoint_.speed_rad_s.array() == 0.0).all() && (setpoint_.acceleration_rad_s2.array() == 0.0).all();
+}
 
 }  // namespace armsight

@@ -2,6 +2,8 @@
 // specification F-F1 (update ≤ 25 µs, single step ≤ 5 µs).
 #include <benchmark/benchmark.h>
 
+#include <array>
+
 #include "shared/inverse_kinematics.hpp"
 #include "shared/joint_offset_ekf.hpp"
 #include "shared/joint_servo.hpp"
@@ -62,6 +64,32 @@ void joint_servo_step(benchmark::State& state) {
   }
 }
 BENCHMARK(joint_servo_step);
+
+/// Another target every cycle, so a new plan from motion: the dearest step.
+void joint_servo_step_to_a_new_target(benchmark::State& state) {
+  const ArmModel arm = default_arm();
+  std::mt19937 random(3);
+  std::array<JointVector, 1024> targets;
+  for (JointVector& target : targets) target = random_within(arm.limits, random);
+  JointServo servo(arm.limits);
+  servo.reset(kPosture);
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(servo.step_towards(targets[++i % targets.size()], 1.0, 0.004));
+}
+BENCHMARK(joint_servo_step_to_a_new_target);
+
+void joint_servo_step_with_speed(benchmark::State& state) {
+  const ArmModel arm = default_arm();
+  std::mt19937 random(4);
+  std::array<JointVector, 1024> speeds;
+  for (JointVector& speed : speeds)
+    speed = random_between(-arm.limits.max_speed_rad_s, arm.limits.max_speed_rad_s, random);
+  JointServo servo(arm.limits);
+  servo.reset(kPosture);
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(servo.step_with_speed(speeds[++i % speeds.size()], 0.004));
+}
+BENCHMARK(joint_servo_step_with_speed);
 
 void pose_servo_step(benchmark::State& state) {
   const ArmModel arm = default_arm();
