@@ -19,8 +19,9 @@ constexpr double kSettleTimeout_s = 3.0;
 Motion::Motion(const RobotConfig& robot)
     : chain_(robot.arm.chain), limits_(robot.arm.limits), period_s_(robot.controller.period_s),
       goal_tolerance_rad_(robot.controller.goal_tolerance_rad), servo_(robot.arm.limits),
-      trim_(JointVector::Zero(chain_.joint_count)), target_reading_(JointVector::Zero(chain_.joint_count)) {
-  servo_.reset(JointVector::Zero(chain_.joint_count));
+      trim_(JointVector::Zero(chain_.joint_count)), target_reading_(JointVector::Zero(chain_.joint_count)),
+      wanted_reading_(JointVector::Zero(chain_.joint_count)) {
+  goal_.q_real_rad = JointVector::Zero(chain_.joint_count);
 }
 
 void Motion::reading_limits(const JointLimits& limits, const JointVector& beta, JointVector& min_rad,
@@ -36,7 +37,7 @@ void Motion::stand_at(const JointVector& q_reading) noexcept {
 
 void Motion::start(const Goal& goal, const LearnedModel& model) noexcept {
   goal_ = goal;
-  target_reading_ = goal.q_real_rad - model.beta;
+  take_model(model);
   const Pose T_B_posture = forward_kinematics(chain_, goal.q_real_rad);
   if (goal.kind == GoalKind::kJoints) {
     T_B_G_ = T_B_reachable_ = T_B_posture;
@@ -49,12 +50,23 @@ void Motion::start(const Goal& goal, const LearnedModel& model) noexcept {
   enter(Phase::kTravel);
 }
 
+void Motion::take_model(const LearnedModel& model) noexcept {
+  target_reading_ = goal_.q_real_rad - model.beta;
+  JointLimits limits = limits_;
+  reading_limits(limits_, model.beta, limits.min_rad, limits.max_rad);
+  limits.max_rad = limits.max_rad.cwiseMax(limits.min_rad);
+  servo_.set_limits(limits);
+}
+
+// Only what is aimed at changes: the servo goes there inside its limits, from whatever motion it is in.
 void Motion::model_changed(const LearnedModel& model) noexcept {
+  take_model(model);
   if (goal_.kind == GoalKind::kPoseInCamera) {
     T_B_G_ = model.T_C_B.inverse() * T_C_G_;
     T_B_reachable_ = model.T_C_B.inverse() * T_C_reachable_;
   }
-  if (goal_.kind != GoalKind::kJoints && phase_ == Phase::kSettle) enter(Phase::kApproach);
+  const bool is_settling = phase_ == Phase::kSettle || phase_ == Phase::kTrim;
+  if (is_settling) enter(goal_.kind == GoalKind::kJoints ? Phase::kTravel : Phase::kApproach);
 }
 
 void Motion::enter(Phase phase) noexcept {
@@ -65,48 +77,55 @@ void Motion::enter(Phase phase) noexcept {
 Progress Motion::step_to_goal(const LearnedModel& model, const StillnessWatch& measured) noexcept {
   phase_s_ += period_s_;
   switch (phase_) {
-    case Phase::kTravel: step_travel(); return Progress::kMoving;
-    case Phase::kApproach: step_approach(model); return Progress::kMoving;
-    case Phase::kSettle: break;
+    case Phase::kTravel: step_travel(); break;
+    case Phase::kApproach: step_approach(model); break;
+    case Phase::kSettle: return step_settle(measured);
+    case Phase::kTrim: return step_trim(model, measured);
   }
-  return step_settle(model, measured);
+  return Progress::kMoving;
 }
 
 void Motion::step_to_rest() noexcept { servo_.step_to_rest(period_s_); }
 
 void Motion::step_travel() noexcept {
-  const JointSetpoint& s = servo_.step_towards(target_reading_, goal_.speed_scale, period_s_);
-  const bool is_there = (s.q_rad - target_reading_).cwiseAbs().maxCoeff() < kAtPosture_rad;
-  if (!is_there || !servo_.is_at_rest()) return;
+  const JointLimits& limits = servo_.limits();
+  const JointVector target = (target_reading_ + trim_).cwiseMax(limits.min_rad).cwiseMin(limits.max_rad);
+  servo_.step_towards(target, goal_.speed_scale, period_s_);
+  if (!servo_.is_at_rest() || servo_.setpoint().q_rad != target) return;
   enter(goal_.kind == GoalKind::kJoints ? Phase::kSettle : Phase::kApproach);
 }
 
 void Motion::step_approach(const LearnedModel& model) noexcept {
-  JointVector min_rad, max_rad;
-  reading_limits(limits_, model.beta, min_rad, max_rad);
-  min_rad += model.beta;
-  max_rad += model.beta;
+  const JointVector min_rad = servo_.limits().min_rad + model.beta, max_rad = servo_.limits().max_rad + model.beta;
   const JointVector max_speed = goal_.speed_scale * limits_.max_speed_rad_s;
-  const JointVector speeds = pose_servo_speeds(chain_, servo_.setpoint().q_rad + model.beta, T_B_reachable_, min_rad,
-                                               max_rad, max_speed, period_s_, pose_options_);
+  const JointVector q_real = servo_.setpoint().q_rad - trim_ + model.beta;
+  const JointVector speeds = pose_servo_speeds(chain_, q_real, T_B_reachable_, min_rad, max_rad, max_speed, period_s_,
+                                               pose_options_);
   servo_.step_with_speed(speeds, period_s_);
   if (speeds.cwiseAbs().maxCoeff() < kNoSpeed_rad_s || phase_s_ > kApproachTimeout_s) enter(Phase::kSettle);
 }
 
-Progress Motion::step_settle(const LearnedModel& model, const StillnessWatch& measured) noexcept {
+Progress Motion::step_settle(const StillnessWatch& measured) noexcept {
   servo_.step_to_rest(period_s_);
-  if (!servo_.is_at_rest() || !measured.is_still()) {
-    if (phase_s_ > kSettleTimeout_s) return Progress::kGivenUp;
-    return Progress::kMoving;
+  if (servo_.is_at_rest() && measured.is_still()) {
+    wanted_reading_ = servo_.setpoint().q_rad - trim_;
+    enter(Phase::kTrim);
   }
-  const JointVector residual = servo_.setpoint().q_rad - measured.mean_rad();
-  const bool is_trimmed = residual.cwiseAbs().maxCoeff() < kTrimmed_rad;
-  if (is_trimmed || phase_s_ > kTrimTimeout_s) {
-    if (is_within_tolerance(model, measured.mean_rad())) return Progress::kArrived;
-    if (phase_s_ > kSettleTimeout_s) return Progress::kGivenUp;
-  }
-  trim_ += kTrimGain_per_s * period_s_ * residual;
-  trim_ = trim_.cwiseMax(-kTrimLimit_rad).cwiseMin(kTrimLimit_rad);
+  return phase_s_ > kSettleTimeout_s ? Progress::kGivenUp : Progress::kMoving;
+}
+
+Progress Motion::step_trim(const LearnedModel& model, const StillnessWatch& measured) noexcept {
+  const JointVector residual = wanted_reading_ - measured.mean_rad();
+  const bool is_trimmed = residual.cwiseAbs().maxCoeff() < kTrimmed_rad || phase_s_ > kTrimTimeout_s;
+  if (is_trimmed && servo_.is_at_rest() && measured.is_still() && is_within_tolerance(model, measured.mean_rad()))
+    return Progress::kArrived;
+  if (phase_s_ > kSettleTimeout_s) return Progress::kGivenUp;
+  const JointVector room_up = (kTrimLimit_rad - trim_.array()).max(0.0);
+  const JointVector room_down = (-kTrimLimit_rad - trim_.array()).min(0.0);
+  const JointVector speeds = kTrimGain_per_s * residual.cwiseMin(room_up).cwiseMax(room_down);
+  if (is_trimmed) servo_.step_to_rest(period_s_);
+  else servo_.step_with_speed(speeds, period_s_);
+  trim_ = servo_.setpoint().q_rad - wanted_reading_;
   return Progress::kMoving;
 }
 
@@ -116,11 +135,6 @@ bool Motion::is_within_tolerance(const LearnedModel& model, const JointVector& q
   double position_m, orientation_rad;
   errors_at(q_reading, model, position_m, orientation_rad);
   return position_m <= goal_.position_tolerance_m && orientation_rad <= goal_.orientation_tolerance_rad;
-}
-
-JointVector Motion::command_rad() const noexcept {
-  const JointVector& q = servo_.setpoint().q_rad;
-  return (q + trim_).cwiseMax(limits_.min_rad.cwiseMin(q)).cwiseMin(limits_.max_rad.cwiseMax(q));
 }
 
 void Motion::errors_at(const JointVector& q_reading, const LearnedModel& model, double& position_m,

@@ -1,10 +1,11 @@
-// How the joints get to a goal: a reference inside all limits (JointServo; for pose goals the last piece by PoseServo on
-// the corrected model), and a slow trim that takes away what the drives leave between reference and encoder.
+// How the joints get to a goal: set-points inside all limits (JointServo; for pose goals the last piece led by the pose
+// servo on the corrected model), and a slow trim that takes away what the drives leave between them and the encoders.
+// Every set-point comes out of the one JointServo, the trim's too.
 //
-//   kTravel ─at posture─► kApproach (pose goals) ─no speed left─► kSettle ─still, trimmed─► arrived
+//   kTravel ─at posture─► kApproach (pose goals) ─no speed left─► kSettle ─still─► kTrim ─trimmed, still─► arrived
 //
 // A pose goal given in the camera is mapped to the base by the model in force, and mapped again when that changes on
-// the way; one given in the base, and a joint goal, keep their meaning.
+// the way; one given in the base, and a joint goal (real angles), keep their meaning.
 #pragma once
 
 #include <optional>
@@ -31,9 +32,8 @@ class Motion {
   void step_to_rest() noexcept;
 
   bool is_at_rest() const noexcept { return servo_.is_at_rest(); }
-  /// Reference plus trim: what goes to the drives. Inside the limits, or no farther outside than the reference, which
-  /// begins where the arm stood at power-on.
-  JointVector command_rad() const noexcept;
+  /// What goes to the drives. Inside the limits, or no farther outside than where the arm stood at power-on.
+  const JointVector& command_rad() const noexcept { return servo_.setpoint().q_rad; }
   /// Of the model's hand pose at a reading against the goal: metres, radians.
   void errors_at(const JointVector& q_reading, const LearnedModel& model, double& position_m,
                  double& orientation_rad) const noexcept;
@@ -43,11 +43,13 @@ class Motion {
                              JointVector& max_rad) noexcept;
 
  private:
-  enum class Phase : std::uint8_t { kTravel, kApproach, kSettle };
+  enum class Phase : std::uint8_t { kTravel, kApproach, kSettle, kTrim };
   void enter(Phase phase) noexcept;
+  void take_model(const LearnedModel& model) noexcept;
   void step_travel() noexcept;
   void step_approach(const LearnedModel& model) noexcept;
-  Progress step_settle(const LearnedModel& model, const StillnessWatch& measured) noexcept;
+  Progress step_settle(const StillnessWatch& measured) noexcept;
+  Progress step_trim(const LearnedModel& model, const StillnessWatch& measured) noexcept;
   bool is_within_tolerance(const LearnedModel& model, const JointVector& q_reading) const noexcept;
 
   SerialChain chain_;
@@ -55,10 +57,10 @@ class Motion {
   double period_s_, goal_tolerance_rad_;
   JointServo servo_;
   PoseServoOptions pose_options_;
-  JointVector trim_;
+  JointVector trim_;             ///< command − the reading that it is to bring about
 
   Goal goal_;
-  JointVector target_reading_;
+  JointVector target_reading_, wanted_reading_;
   Pose T_B_G_;                ///< as asked for
   Pose T_B_reachable_;        ///< same place, the nearest orientation that the joints allow
   Pose T_C_G_, T_C_reachable_;

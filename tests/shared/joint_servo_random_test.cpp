@@ -7,6 +7,7 @@
 
 #include "shared/joint_servo.hpp"
 #include "tests/shared/default_arm.hpp"
+#include "tests/shared/setpoint_judge.hpp"
 
 namespace armsight {
 namespace {
@@ -14,15 +15,15 @@ namespace {
 using namespace test;
 
 constexpr double kDt = 0.004;
-constexpr double kSlack = 1e-9;          // relative
-constexpr double kRounding_rad = 4e-15;  // of a position, with the landing
+constexpr double kSlack = SetpointJudge::kSlack, kRounding_rad = SetpointJudge::kRounding_rad,
+                 kSum_rad = SetpointJudge::kSum_rad;
 
 long step_count() {
   const char* steps = std::getenv("ARMSIGHT_RANDOM_STEPS");
   return steps ? std::atol(steps) : 200000;
 }
 
-/// What may happen to one joint between two samples, in words of its own: values and difference quotients.
+/// What may happen to one joint between two samples, in words of its own.
 class Judge {
  public:
   void check(const JointLimits& force_before, const JointLimits& force, const JointSetpoint& before,
@@ -35,8 +36,8 @@ class Judge {
     ASSERT_LE(std::abs(a1), std::max(force.max_acceleration_rad_s2[i], std::abs(a0)) * (1 + kSlack));
     const double unavoidable = coasting(v0, a0, force.max_jerk_rad_s3[i]);
     ASSERT_LE(std::abs(v1), std::max(force.max_speed_rad_s[i], unavoidable) * (1 + kSlack));
-    ASSERT_LE(q1, std::max(force.max_rad[i], q0) + kRounding_rad);
-    ASSERT_GE(q1, std::min(force.min_rad[i], q0) - kRounding_rad);
+    ASSERT_LE(q1, std::max(force.max_rad[i], q0) + kSum_rad);
+    ASSERT_GE(q1, std::min(force.min_rad[i], q0) - kSum_rad);
     // The samples belong to one curve with that jerk.
     ASSERT_NEAR(v1, v0 + a0 * kDt, 0.5 * J * kDt * kDt + 1e-15);
     ASSERT_NEAR(q1, q0 + v0 * kDt + 0.5 * a0 * kDt * kDt, J * kDt * kDt * kDt / 6.0 + kRounding_rad);
@@ -46,31 +47,6 @@ class Judge {
   static double coasting(double v, double a, double J) {
     return std::max(std::abs(v), std::abs(v + a * std::abs(a) / (2 * J)));
   }
-};
-
-/// The sampled positions alone, as a drive sees them.
-class Quotients {
- public:
-  void push(const JointVector& q) {
-    for (int k = 3; k > 0; --k) q_[k] = q_[k - 1];
-    q_[0] = q;
-    ++count_;
-  }
-  void check(const JointLimits& l) const {
-    if (count_ < 4) return;
-    const auto excess = [](const JointVector& value, const JointVector& limit, double rounding) {
-      return (value.cwiseAbs() - (1 + kSlack) * limit).maxCoeff() - rounding;
-    };
-    ASSERT_LE(excess((q_[0] - q_[1]) / kDt, l.max_speed_rad_s, 2 * kRounding_rad / kDt), 0.0);
-    const double dt2 = kDt * kDt, dt3 = dt2 * kDt;
-    ASSERT_LE(excess((q_[0] - 2 * q_[1] + q_[2]) / dt2, l.max_acceleration_rad_s2, 4 * kRounding_rad / dt2), 0.0);
-    const JointVector jerk = (q_[0] - 3 * q_[1] + 3 * q_[2] - q_[3]) / dt3;
-    ASSERT_LE(excess(jerk, l.max_jerk_rad_s3, 8 * kRounding_rad / dt3), 0.0);
-  }
-
- private:
-  JointVector q_[4];
-  int count_ = 0;
 };
 
 class RandomCommander {
@@ -126,8 +102,8 @@ void expect_stop_free(JointServo servo) {
     const JointLimits force = servo.limits();
     servo.step_to_rest(kDt);
     ASSERT_NO_FATAL_FAILURE(expect_step_kept(force, servo, before));
-    ASSERT_LE((servo.setpoint().q_rad - servo.limits().max_rad).maxCoeff(), kRounding_rad);
-    ASSERT_LE((servo.limits().min_rad - servo.setpoint().q_rad).maxCoeff(), kRounding_rad);
+    ASSERT_LE((servo.setpoint().q_rad - servo.limits().max_rad).maxCoeff(), kSum_rad);
+    ASSERT_LE((servo.limits().min_rad - servo.setpoint().q_rad).maxCoeff(), kSum_rad);
   }
   ASSERT_TRUE(servo.is_at_rest());
 }
@@ -137,16 +113,13 @@ TEST(JointServoRandom, NoLimitIsEverExceeded) {
   RandomCommander commander(nominal, 1);
   JointServo servo(nominal);
   servo.reset(joints({0.1, 0.2, -0.3, 1.0, 0.0}));
-  Quotients quotients;
+  SetpointJudge sampled(nominal, kDt);
   for (long k = 0; k < step_count(); ++k) {
     const JointSetpoint before = servo.setpoint();
     commander.command(servo);
     ASSERT_NO_FATAL_FAILURE(expect_step_kept(nominal, servo, before)) << "step " << k;
-    ASSERT_LE((servo.setpoint().q_rad - nominal.max_rad).maxCoeff(), kRounding_rad) << "step " << k;
-    ASSERT_LE((nominal.min_rad - servo.setpoint().q_rad).maxCoeff(), kRounding_rad) << "step " << k;
     ASSERT_LE(servo.setpoint().speed_rad_s.cwiseAbs().maxCoeff(), 0.5 * (1 + kSlack)) << "step " << k;
-    quotients.push(servo.setpoint().q_rad);
-    ASSERT_NO_FATAL_FAILURE(quotients.check(nominal)) << "step " << k;
+    ASSERT_NO_FATAL_FAILURE(sampled.take(servo.setpoint().q_rad)) << "step " << k;
     if (k % 997 != 0) continue;
     ASSERT_NO_FATAL_FAILURE(expect_stop_free(servo)) << "step " << k;
   }
@@ -163,8 +136,8 @@ TEST(JointServoRandom, LimitsChangedInFlightAreNeverExceededOnceInForce) {
     const JointLimits force = servo.limits();
     commander.command(servo);
     ASSERT_NO_FATAL_FAILURE(expect_step_kept(force, servo, before)) << "step " << k;
-    ASSERT_LE((servo.setpoint().q_rad - nominal.max_rad).maxCoeff(), kRounding_rad) << "step " << k;
-    ASSERT_LE((nominal.min_rad - servo.setpoint().q_rad).maxCoeff(), kRounding_rad) << "step " << k;
+    ASSERT_LE((servo.setpoint().q_rad - nominal.max_rad).maxCoeff(), kSum_rad) << "step " << k;
+    ASSERT_LE((nominal.min_rad - servo.setpoint().q_rad).maxCoeff(), kSum_rad) << "step " << k;
     if (k % 997 != 0) continue;
     ASSERT_NO_FATAL_FAILURE(expect_stop_free(servo)) << "step " << k;
   }
