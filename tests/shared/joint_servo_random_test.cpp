@@ -96,7 +96,8 @@ void expect_step_kept(const JointLimits& force_before, const JointServo& servo, 
 
 /// Of a copy: brakes to a standstill and stays inside everything on the way.
 void expect_stop_free(JointServo servo) {
-  const double most_s = 1.0 / 0.2 + 4.0 / 2.0;  // greatest speed / least acceleration + greatest acceleration / least jerk
+  // Greatest speed / least acceleration + greatest acceleration / least jerk.
+  const double most_s = 1.0 / 0.2 + 4.0 / 2.0;
   for (int k = 0; k < most_s / kDt && !servo.is_at_rest(); ++k) {
     const JointSetpoint before = servo.setpoint();
     const JointLimits force = servo.limits();

@@ -145,7 +145,8 @@ TEST_F(JointServoTest, LowerLimitsThatLeaveNoWayToStopWaitUntilTheyDo) {
   EXPECT_EQ(servo.limits().max_acceleration_rad_s2[0], 2.0);  // 0.5 rad/s with 0.5 rad/s²: 0.25 rad and more
   EXPECT_EQ(servo.limits().max_acceleration_rad_s2[1], 0.5);
   int steps = 0;
-  while (servo.limits().max_acceleration_rad_s2[0] > 0.5 && ++steps < 88) servo.step_with_speed(joints({0.2, 0, 0, 0, 0}), kDt);
+  const JointVector onward = joints({0.2, 0, 0, 0, 0});
+  while (servo.limits().max_acceleration_rad_s2[0] > 0.5 && ++steps < 88) servo.step_with_speed(onward, kDt);
   EXPECT_LT(steps, 88);  // (0.5 / 2 + 2 / 20) s
   EXPECT_LE(servo.setpoint().q_rad[0], limits.max_rad[0]);
 }
