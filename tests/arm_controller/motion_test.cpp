@@ -1,5 +1,5 @@
-// Every set-point that a goal, a stop, a trim or a new model makes obeys the joints' limits, jerk among them. Drives are
-// played by a lag and an offset; time is handed in.
+// Every set-point that a goal, a stop, a trim or a new model makes obeys the joints' limits, jerk among them. Drives
+// are played by a lag and an offset; time is handed in.
 #include "arm_controller/motion.hpp"
 
 #include <gtest/gtest.h>

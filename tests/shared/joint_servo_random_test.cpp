@@ -1,6 +1,6 @@
 // The joint servo under everything at once: targets beyond the limits, reversal every cycle, wanted speeds beyond the
-// limits, stops, and limits changed in flight. Whatever is asked, in every step: no limit exceeded, and the way to a stop
-// free. ARMSIGHT_RANDOM_STEPS says how many steps (the long tier runs 10⁷).
+// limits, stops, and limits changed in flight. Whatever is asked, in every step: no limit exceeded, and the way to a
+// stop free. ARMSIGHT_RANDOM_STEPS says how many steps (the long tier runs 10⁷).
 #include <gtest/gtest.h>
 
 #include <cstdlib>
