@@ -53,7 +53,7 @@ TEST_F(JointServoTest, LandsExactlyFromFullMotionAfterAReversal) {
   }
 }
 
-/// Seven pieces in closed form: jerk up, acceleration, jerk down, cruise, and the same backwards, as far as the way allows.
+/// Seven pieces in closed form: jerk up, acceleration, jerk down, cruise, and the same backwards, where the way is enough.
 double quickest_s(double way, double V, double A, double J) {
   const double ramp_s = V * J >= A * A ? V / A + A / J : 2.0 * std::sqrt(V / J);  // 0 to V
   if (way >= V * ramp_s) return way / V + ramp_s;
