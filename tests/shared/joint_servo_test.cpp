@@ -53,7 +53,7 @@ TEST_F(JointServoTest, LandsExactlyFromFullMotionAfterAReversal) {
   }
 }
 
-/// Seven pieces in closed form: jerk up, acceleration, jerk down, cruise, and the same backwards, where the way is enough.
+/// Seven pieces in closed form: jerk up, acceleration, jerk down, cruise, and the same backwards; fewer on short ways.
 double quickest_s(double way, double V, double A, double J) {
   const double ramp_s = V * J >= A * A ? V / A + A / J : 2.0 * std::sqrt(V / J);  // 0 to V
   if (way >= V * ramp_s) return way / V + ramp_s;
