@@ -1,6 +1,7 @@
 // One simulated drive on a table: frames in by hand, frames out in a list, a motor that stands where it is put.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "tools/sim/drive_node.hpp"
