@@ -34,7 +34,7 @@ begin() {
 end() {
   local number=${pid[$1]}
   unset "pid[$1]"
-  kill -s "${2:-TERM}" "$number"
+  kill -s "${2:-TERM}" "$number" 2>/dev/null
   wait "$number"
 }
 end_all() {

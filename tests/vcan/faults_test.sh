@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# faults_test.sh PROGRAMS SOURCE WORK: error frames and lost frames on a real CAN socket while the arm moves. The verdict is
+# read from the log of the simulated drives (what they received and answered), never from the controller's report.
+set -uo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+needs_vcan
+rm -rf "$work"
+mkdir -p "$work/host"
+robot "$work/robot.yaml"
+
+# A slow move is under way when the fault comes.
+begin_arm() {
+  begin arm_sim "$programs/arm_sim" --robot "$work/robot.yaml" --scene "$source/tools/sim/scene.yaml" --noise clean \
+    --clock "$work/clock" --camera 127.0.0.1:0 --can vcan0 --log "$work/bus.log"
+  await arm_sim "arm_sim: ready"
+  begin_controller
+}
+begin_move() {
+  begin host "$programs/host" --arm "$link" --state "$work/host" --robot "$work/robot.yaml" \
+    move --joints=-1.3,0.5,-1.3,2.0,-1.0 --speed "$1"
+}
+# await_motion: the drives have answered "operation enabled" from two different positions.
+await_motion() {
+  local i
+  for ((i = 0; i < 300 * patience; ++i)); do
+    [[ $(sed -n 's/.* 181#3712\(........\).*/\1/p' "$work/bus.log" | sort -u | wc -l) -gt 3 ]] && return 0
+    sleep 0.1
+  done
+  fail "the arm does not move: $(tail -n 2 "$work/host.err")"
+}
+# last_status NODE: the state bits of the drive's last answer; statusword is little-endian.
+last_status() {
+  local word
+  word=$(sed -n "s/.* 18$1#\(..\)\(..\).*/\2\1/p" "$work/bus.log" | tail -n 1)
+  printf '%02x' $((0x$word & 0x6F))
+}
+
+begin_arm
+begin_move 0.1
+await_motion
+
+# Error passive: noticed, no reason to stop.
+cansend vcan0 20000004#0020000000000000
+sleep "$patience"
+[[ $(last_status 1) == 27 ]] || fail "an error-passive frame took drive 1 out of operation ($(last_status 1))"
+
+# Frames get lost: one in fifty is bridged.
+tc qdisc add dev vcan0 root netem loss 2% || fail "tc cannot lose frames"
+sleep "$((2 * patience))"
+tc qdisc del dev vcan0 root
+[[ $(last_status 1) == 27 ]] || fail "2 % of lost frames took drive 1 out of operation ($(last_status 1))"
+
+# Bus-off: all drives stop at once and stay powered.
+cansend vcan0 20000040#0000000000000000
+sleep "$patience"
+for node in 1 2 3 4 5 6; do
+  [[ $(last_status "$node") == 07 ]] || fail "after bus-off drive $node is in state $(last_status "$node"), not in quick stop"
+done
+end host KILL
+end arm_controller || fail "arm_controller ended with $?"
+end arm_sim || fail "arm_sim ended with $?"
+grep -q "fault 102" "$work/arm_controller.err" || fail "the controller did not name bus-off: $(<"$work/arm_controller.err")"
+
+# An interface that is not there is an error, never another bus.
+"$programs/arm_controller" --config "$work/robot.yaml" --listen 127.0.0.1:0 --state "$work/controller" --can nosuch0 >"$work/missing.txt" 2>&1
+code=$?
+[[ $code == 3 ]] || fail "a missing interface ended with $code: $(<"$work/missing.txt")"
+grep -q "nosuch0" "$work/missing.txt" || fail "the interface is not named: $(<"$work/missing.txt")"
+echo "$test_name: error passive and 2 % loss carried, bus-off stopped six drives, a missing interface is refused"
