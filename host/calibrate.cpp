@@ -6,7 +6,7 @@
 
 #include "host/first_sight.hpp"
 #include "host/json_out.hpp"
-#include "host/learn_files.hpp"
+#include "host/calibrate_files.hpp"
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
 #include "host/running_guess.hpp"

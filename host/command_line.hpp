@@ -1,4 +1,4 @@
-// What the operator asked for, as plain values: main.cpp fills it, app.cpp acts on it.
+// What the operator asked for, as plain values: main.cpp fills it, run_verb.cpp acts on it.
 #pragma once
 
 #include <string>

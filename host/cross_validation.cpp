@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "host/closed_form.hpp"
+#include "host/closed_form_starts.hpp"
 
 namespace armsight::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/calibration_problem.hpp"
+#include "host/learn_arm.hpp"
 #include "protocol/arm_link.pb.h"
 
 namespace armsight::host {

@@ -2,12 +2,12 @@
 add_library(armsight_host_learn STATIC
   batch_calibration.cpp
   batch_calibration_cost.cpp
-  calibrate_arm.cpp
-  calibrate_dataset.cpp
-  calibrate_dataset_report.cpp
+  learn_arm.cpp
+  learn_dataset.cpp
+  learn_dataset_report.cpp
   chain_problem.cpp
   chain_unknowns.cpp
-  closed_form.cpp
+  closed_form_starts.cpp
   cross_validation.cpp
   csv_table.cpp
   dataset.cpp

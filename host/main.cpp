@@ -1,4 +1,4 @@
-// host: sees, learns, adapts, grasps. This file is the command line alone; app.cpp does the rest.
+// host: sees, learns, adapts, grasps. This file is the command line alone; run_verb.cpp does the rest.
 #include "host/command_line.hpp"
 #include "host/parse_flags.hpp"
 

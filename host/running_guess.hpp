@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "host/calibration_problem.hpp"
+#include "host/learn_arm.hpp"
 #include "shared/joint_offset_ekf.hpp"
 
 namespace armsight::host {

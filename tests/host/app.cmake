@@ -1,6 +1,6 @@
 # Tests of the host's flows: planning, clocks, the grasp table, what a bad command line meets.
 add_armsight_test(host_app_tests LABEL unit
-  SOURCES app_clock_alignment_test.cpp app_grasp_test.cpp app_look_files_test.cpp app_pose_planner_test.cpp
+  SOURCES app_clock_alignment_test.cpp app_grasp_test.cpp app_calibrate_files_test.cpp app_pose_planner_test.cpp
           app_run_test.cpp
   LIBS armsight_host_app armsight_test_looks)
 target_compile_definitions(host_app_tests PRIVATE ARMSIGHT_GRASPS_YAML="${CMAKE_SOURCE_DIR}/host/config/grasps.yaml"

@@ -1,7 +1,7 @@
 // Learn on the default arm at the geometric level: E1 in small, the gauge (E2), refusals, flips, repeatability.
 #include <gtest/gtest.h>
 
-#include "host/calibration_problem.hpp"
+#include "host/learn_arm.hpp"
 #include "tests/shared/default_arm.hpp"
 #include "tests/shared/simulated_looks.hpp"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "host/batch_calibration.hpp"
-#include "host/closed_form.hpp"
+#include "host/closed_form_starts.hpp"
 #include "host/observability.hpp"
 #include "tests/shared/default_arm.hpp"
 

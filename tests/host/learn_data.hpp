@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/calibrate_dataset.hpp"
+#include "host/learn_dataset.hpp"
 #include "tools/convert/convert.hpp"
 
 namespace armsight::test {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "host/calibrate_dataset.hpp"
+#include "host/learn_dataset.hpp"
 
 namespace armsight::host {
 namespace {

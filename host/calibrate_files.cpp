@@ -1,4 +1,4 @@
-#include "host/learn_files.hpp"
+#include "host/calibrate_files.hpp"
 
 #include <cstdio>
 #include <ctime>

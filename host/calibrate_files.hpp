@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/calibration_problem.hpp"
+#include "host/learn_arm.hpp"
 #include "protocol/config.hpp"
 
 namespace armsight::host {

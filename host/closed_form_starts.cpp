@@ -1,4 +1,4 @@
-#include "host/closed_form.hpp"
+#include "host/closed_form_starts.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

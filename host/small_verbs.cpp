@@ -1,4 +1,4 @@
-#include "host/verbs.hpp"
+#include "host/small_verbs.hpp"
 
 #include <ostream>
 

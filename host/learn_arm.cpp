@@ -1,11 +1,11 @@
-// The default arm's Learn: looks → host/chain_problem.hpp → verdict. See host/calibration_problem.hpp.
+// The default arm's Learn: looks → host/chain_problem.hpp → verdict. See host/learn_arm.hpp.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
-#include "host/calibration_problem.hpp"
+#include "host/learn_arm.hpp"
 #include "host/cross_validation.hpp"
 #include "host/observability.hpp"
 

@@ -1,4 +1,4 @@
-#include "host/calibrate_dataset.hpp"
+#include "host/learn_dataset.hpp"
 
 #include <algorithm>
 #include <chrono>
