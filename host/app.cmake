@@ -1,9 +1,9 @@
 # The flows of the host and its program. The command line is main.cpp's alone.
 add_library(armsight_host_app STATIC
   adapt.cpp
-  run_verb.cpp
   arm_link.cpp
   calibrate.cpp
+  calibrate_files.cpp
   clock_alignment.cpp
   first_sight.cpp
   grasp.cpp
@@ -12,14 +12,14 @@ add_library(armsight_host_app STATIC
   hand_looks.cpp
   host_io.cpp
   json_out.cpp
-  calibrate_files.cpp
   look_planning.cpp
   motion.cpp
   pose_planner.cpp
+  run_verb.cpp
   running_guess.cpp
   session_files.cpp
-  text.cpp
   small_verbs.cpp
+  text.cpp
   visibility.cpp)
 target_link_libraries(armsight_host_app
   PUBLIC armsight_core armsight_protocol armsight_schemas armsight_transport armsight_host_vision armsight_host_camera

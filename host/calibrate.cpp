@@ -4,9 +4,9 @@
 #include <ostream>
 #include <utility>
 
+#include "host/calibrate_files.hpp"
 #include "host/first_sight.hpp"
 #include "host/json_out.hpp"
-#include "host/calibrate_files.hpp"
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
 #include "host/running_guess.hpp"

@@ -36,7 +36,7 @@ void LookErrors::add(const ChainModel& model, const Observation& z, const NoiseM
   const Pose predicted = predicted_T_C_M(model, z);
   const Vector6 e = pose_error(z.T_C_M, {predicted.R, predicted.p / scale});
   mm.push_back(1e3 * e.head<3>().norm());
-  deg.push_back(180.0 / M_PI * e.tail<3>().norm());
+  deg.push_back(e.tail<3>().norm() / kDegree);
   const auto r = residual_only(model, z);
   if (!r) return;
   norm.push_back((square_root_information(model, z, noise) * *r).norm() / std::sqrt(static_cast<double>(z.rows())));

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
+
+#include "host/text.hpp"
 
 namespace armsight::host {
 namespace {
@@ -14,12 +15,6 @@ constexpr double kYawStill_rad = 1e-4;
 constexpr double kMaxApproachTurn_rad = 0.9;  // more than this between pre-grasp and grasp: the elbow would flip
 constexpr double kPregraspTolerance_rad = 0.6;  // five joints cannot keep the turn while drawing back
 constexpr double kForceShare = 0.3;           // of the force limit: fingers that press, not fingers that coast
-
-std::string degrees_text(double rad) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f deg", rad * 180.0 / std::numbers::pi);
-  return text;
-}
 
 // The turn about z_O that the hand's actual orientation comes nearest to: argmax trace(Rz(yaw) A), A = R_O_G(0) R_actualᵀ.
 double nearest_yaw(const Matrix3& R_O_G0, const Matrix3& R_O_H) {
@@ -59,8 +54,8 @@ std::string complete(const ReachProblem& reach, const GraspObject& object, const
                      const Attempt& attempt, GraspChoice& choice) {
   if (!attempt.ik) return "out of reach inside the joint limits";
   if (attempt.ik->orientation_error_rad > object.orientation_tolerance_rad) {
-    return "reachable only " + degrees_text(attempt.ik->orientation_error_rad) + " off (tolerance " +
-           degrees_text(object.orientation_tolerance_rad) + ")";
+    return "reachable only " + fixed(degrees(attempt.ik->orientation_error_rad), 1) + " deg off (tolerance " +
+           fixed(degrees(object.orientation_tolerance_rad), 1) + " deg)";
   }
   choice.grasp = grasp.name;
   choice.yaw_rad = attempt.yaw_rad;
@@ -71,7 +66,7 @@ std::string complete(const ReachProblem& reach, const GraspObject& object, const
   const std::optional<IkSolution> before = solve(reach, choice.T_B_pregrasp, attempt.ik->q, 1);
   if (!before) return "its pre-grasp is out of reach";
   if (before->orientation_error_rad > kPregraspTolerance_rad) {
-    return "its pre-grasp is reachable only " + degrees_text(before->orientation_error_rad) + " off";
+    return "its pre-grasp is reachable only " + fixed(degrees(before->orientation_error_rad), 1) + " deg off";
   }
   if ((before->q - attempt.ik->q).lpNorm<Eigen::Infinity>() > kMaxApproachTurn_rad) {
     return "the arm would swing between pre-grasp and grasp";

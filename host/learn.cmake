@@ -2,19 +2,22 @@
 add_library(armsight_host_learn STATIC
   batch_calibration.cpp
   batch_calibration_cost.cpp
-  learn_arm.cpp
-  learn_dataset.cpp
-  learn_dataset_report.cpp
+  batch_calibration_refine.cpp
   chain_problem.cpp
   chain_unknowns.cpp
   closed_form_starts.cpp
   cross_validation.cpp
   csv_table.cpp
   dataset.cpp
+  dataset_chains.cpp
   dataset_columns.cpp
   dataset_csv.cpp
   dataset_pictures.cpp
   dataset_yaml.cpp
+  learn_arm.cpp
+  learn_arm_verdict.cpp
+  learn_dataset.cpp
+  learn_dataset_report.cpp
   observability.cpp
   pinhole_projection.cpp
   robot_description.cpp

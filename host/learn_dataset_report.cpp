@@ -12,7 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
 std::string two_columns(const ErrorStatistics& s, bool has_pixels) {
   char text[160];
   if (has_pixels) {

@@ -5,13 +5,13 @@
 
 #include "host/adapt.hpp"
 #include "host/calibrate.hpp"
-#include "host/learn_dataset.hpp"
 #include "host/command_line.hpp"
 #include "host/grasp.hpp"
 #include "host/host_io.hpp"
+#include "host/learn_dataset.hpp"
 #include "host/marker_print.hpp"
-#include "host/urdf_import.hpp"
 #include "host/small_verbs.hpp"
+#include "host/urdf_import.hpp"
 
 namespace armsight::host {
 namespace {

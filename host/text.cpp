@@ -1,7 +1,6 @@
 #include "host/text.hpp"
 
 #include <cstdio>
-#include <numbers>
 
 namespace armsight::host {
 
@@ -44,7 +43,7 @@ const char* to_text(wire::GoalState state) {
   }
 }
 
-double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
+double degrees(double rad) { return rad / kDegree; }
 
 std::string fixed(double value, int decimals) {
   char text[64];

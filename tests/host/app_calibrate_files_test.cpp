@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/learn_dataset.hpp"
 #include "host/calibrate_files.hpp"
+#include "host/learn_dataset.hpp"
 #include "tests/shared/simulated_looks.hpp"
 
 namespace armsight::host {
