@@ -6,9 +6,9 @@
 
 #include "arm_controller/emulated_bus.hpp"
 #include "arm_controller/socket_can.hpp"
-#include "host/parse_flags.hpp"
 #include "protocol/candump.hpp"
 #include "protocol/transport/wait.hpp"
+#include "tools/command_line.hpp"
 
 namespace {
 
@@ -43,13 +43,13 @@ int listen_to_interface(const std::string& name) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Prints a CAN bus live as candump -L text (for log2asc, canplayer, Wireshark).", "can_decode");
+  armsight::tools::CommandLine line("Prints a CAN bus live as candump -L text (for log2asc, canplayer, Wireshark).",
+                                    "can_decode");
   std::string bus;
   std::string interface;
-  auto* emulated = app.add_option("--bus", bus, "emulated:PATH, the bus that arm_sim serves");
-  auto* real = app.add_option("--can", interface, "a CAN interface of this machine, e.g. can0");
-  emulated->excludes(real);
-  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
+  line.add("--bus", bus, "emulated:PATH, the bus that arm_sim serves");
+  line.add("--can", interface, "a CAN interface of this machine, e.g. can0");
+  if (const auto code = line.parse(argc, argv)) return *code;
   const std::string prefix = "emulated:";
   if (bus.empty() == interface.empty() || (!bus.empty() && !bus.starts_with(prefix))) {
     std::fprintf(stderr, "can_decode: give --bus emulated:PATH or --can IFACE\n");

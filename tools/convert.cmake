@@ -10,4 +10,4 @@ add_library(armsight_convert STATIC
 target_link_libraries(armsight_convert PUBLIC armsight_protocol PRIVATE armsight_warnings)
 
 add_executable(convert_dataset convert_dataset.cpp)
-target_link_libraries(convert_dataset PRIVATE armsight_convert CLI11::CLI11 armsight_warnings)
+target_link_libraries(convert_dataset PRIVATE armsight_convert armsight_command_line armsight_warnings)

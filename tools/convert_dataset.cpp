@@ -2,18 +2,20 @@
 // `host calibrate --dataset TARGET`.
 #include <iostream>
 
-#include "host/parse_flags.hpp"
 #include "protocol/config_error.hpp"
+#include "tools/command_line.hpp"
 #include "tools/convert/convert.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Writes a calibration set of others as a data-set folder (host/DATASET.md); every row, every number"};
+  armsight::tools::CommandLine line(
+      "Writes a calibration set of others as a data-set folder (host/DATASET.md); every row, every number",
+      "convert_dataset");
   std::string kind, source, target, csv;
-  app.add_option("KIND", kind, "talos, rct, ur10e, camodocal or ethz")->required();
-  app.add_option("SOURCE", source, "folder the set came in")->required();
-  app.add_option("TARGET", target, "folder to write")->required();
-  app.add_option("--csv", csv, "talos: which of its files");
-  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
+  line.add("KIND", kind, "talos, rct, ur10e, camodocal or ethz").required();
+  line.add("SOURCE", source, "folder the set came in").required();
+  line.add("TARGET", target, "folder to write").required();
+  line.add("--csv", csv, "talos: which of its files");
+  if (const auto code = line.parse(argc, argv)) return *code;
   try {
     const int rows = !csv.empty() && kind == "talos" ? armsight::tools::convert_talos(source, csv, target)
                                                      : armsight::tools::convert(kind, source, target);

@@ -2,4 +2,4 @@
 add_subdirectory(report)
 
 add_executable(demo_run demo_run.cpp)
-target_link_libraries(demo_run PRIVATE armsight_report CLI11::CLI11 armsight_warnings)
+target_link_libraries(demo_run PRIVATE armsight_report armsight_command_line armsight_warnings)

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "host/parse_flags.hpp"
+#include "tools/command_line.hpp"
 #include "tools/report/demo_session.hpp"
 
 namespace {
@@ -14,17 +14,15 @@ using namespace armsight::demo;
 
 void interrupt(int) { Conductor::is_interrupted = 1; }
 
-void add_options(CLI::App& app, DemoOptions& options) {
+void add_options(armsight::tools::CommandLine& line, DemoOptions& options) {
   options.home = fs::current_path();
-  app.add_option("--seed", options.seed, "which robot, camera mount and noise")->capture_default_str();
-  app.add_option("--report", options.report_dir, "folder for report.html and report.json (default HOME/out/demo)");
-  app.add_option("--robot", options.robot_file, "robot file (default HOME/tools/experiments/demo_robot.yaml)");
-  app.add_option("--noise", options.noise, "noise set")
-      ->check(CLI::IsMember({"clean", "nominal", "hard"}))
-      ->capture_default_str();
-  app.add_option("--can", options.can_interface, "CAN interface instead of the emulated bus; implies --pace real");
-  app.add_option("--pace", options.pace, "pace")->check(CLI::IsMember({"lockstep", "real"}))->capture_default_str();
-  app.add_option("--home", options.home, "folder of the repository")->check(CLI::ExistingDirectory);
+  line.add("--seed", options.seed, "which robot, camera mount and noise").show_default();
+  line.add("--report", options.report_dir, "folder for report.html and report.json (default HOME/out/demo)");
+  line.add("--robot", options.robot_file, "robot file (default HOME/tools/experiments/demo_robot.yaml)");
+  line.add("--noise", options.noise, "noise set").one_of({"clean", "nominal", "hard"}).show_default();
+  line.add("--can", options.can_interface, "CAN interface instead of the emulated bus; implies --pace real");
+  line.add("--pace", options.pace, "pace").one_of({"lockstep", "real"}).show_default();
+  line.add("--home", options.home, "folder of the repository").existing_folder();
 }
 
 void complete(DemoOptions& options) {
@@ -78,9 +76,10 @@ int fail(int code, const std::string& text) {
 
 int main(int argc, char** argv) try {
   DemoOptions options;
-  CLI::App app("The whole job on the simulated robot: calibrate, drift, adapt, grasp; writes a report.", "demo_run");
-  add_options(app, options);
-  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
+  armsight::tools::CommandLine line(
+      "The whole job on the simulated robot: calibrate, drift, adapt, grasp; writes a report.", "demo_run");
+  add_options(line, options);
+  if (const auto code = line.parse(argc, argv)) return *code;
   complete(options);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/parse_flags.hpp"
 #include "protocol/config.hpp"
+#include "tools/command_line.hpp"
 #include "tools/replay/filter_replay.hpp"
 
 namespace {
@@ -88,16 +88,15 @@ int run(const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Puts a recording's looks through the filter and holds the result against the golden table.",
-               "ekf_replay");
+  tools::CommandLine line("Puts a recording's looks through the filter and holds the result against the golden table.",
+                          "ekf_replay");
   Flags flags;
-  app.add_option("FILE", flags.file, "recording with the link of an adapt: STATE/ticks.mcap or link_record's")
-      ->required();
-  app.add_option("--golden", flags.golden, "the table; default golden/NAME.csv beside FILE");
-  app.add_flag("--update", flags.update, "write the table instead");
-  app.add_option("--robot", flags.robot, "robot file, where the recording holds none");
-  app.add_option("--extract", flags.extract, "write the filter's messages of FILE as a small recording, nothing else");
-  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
+  line.add("FILE", flags.file, "recording with the link of an adapt: STATE/ticks.mcap or link_record's").required();
+  line.add("--golden", flags.golden, "the table; default golden/NAME.csv beside FILE");
+  line.add("--update", flags.update, "write the table instead");
+  line.add("--robot", flags.robot, "robot file, where the recording holds none");
+  line.add("--extract", flags.extract, "write the filter's messages of FILE as a small recording, nothing else");
+  if (const auto code = line.parse(argc, argv)) return *code;
   try {
     return run(flags);
   } catch (const RecordingError& error) {

@@ -4,8 +4,8 @@
 #include <csignal>
 #include <cstdio>
 
-#include "host/parse_flags.hpp"
 #include "protocol/config_error.hpp"
+#include "tools/command_line.hpp"
 #include "tools/replay/relay.hpp"
 
 namespace {
@@ -28,15 +28,15 @@ int fail(int code, const char* what) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Passes one host's link on to the arm controller, unchanged, and records both directions.",
-               "link_record");
+  armsight::tools::CommandLine line(
+      "Passes one host's link on to the arm controller, unchanged, and records both directions.", "link_record");
   armsight::replay::RelayOptions options;
   options.listen_address = "127.0.0.1:0";
-  app.add_option("--arm", options.arm_address, "ADDR:PORT of the arm controller")->required();
-  app.add_option("--listen", options.listen_address, "ADDR:PORT for the host, loopback; port 0: chosen and printed")
-      ->capture_default_str();
-  app.add_option("--out", options.file, "the recording, an MCAP file")->required();
-  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
+  line.add("--arm", options.arm_address, "ADDR:PORT of the arm controller").required();
+  line.add("--listen", options.listen_address, "ADDR:PORT for the host, loopback; port 0: chosen and printed")
+      .show_default();
+  line.add("--out", options.file, "the recording, an MCAP file").required();
+  if (const auto code = line.parse(argc, argv)) return *code;
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   std::signal(SIGPIPE, SIG_IGN);
   try {

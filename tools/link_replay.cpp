@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "host/parse_flags.hpp"
+#include "tools/command_line.hpp"
 #include "tools/replay/link_player.hpp"
 #include "tools/report/child_process.hpp"
 
@@ -135,18 +135,17 @@ int run(const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Sends a recording's messages to a fresh arm_controller on a simulated arm and compares its answers.",
-               kName);
+  tools::CommandLine line(
+      "Sends a recording's messages to a fresh arm_controller on a simulated arm and compares its answers.", kName);
   Flags flags;
-  app.add_option("FILE", flags.file,
+  line.add("FILE", flags.file,
                  "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's")
-      ->required();
-  app.add_option("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller")->required();
-  app.add_option("--clock", flags.clock,
+      .required();
+  line.add("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller").required();
+  line.add("--clock", flags.clock,
                  "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
-  app.add_option("--connection", flags.connection, "this one of the recorded connections only, from 1")
-      ->check(CLI::PositiveNumber);
-  if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;
+  line.add("--connection", flags.connection, "this one of the recorded connections only, from 1").positive();
+  if (const auto code = line.parse(argc, argv)) return *code;
   if (!flags.clock.starts_with("sim:"))
     return fail(2, "--clock sim:PATH is needed: recordings are sent to a simulated arm only, never to a real one");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);

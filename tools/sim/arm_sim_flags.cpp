@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "host/parse_flags.hpp"
+#include "tools/command_line.hpp"
 
 namespace armsight::sim {
 
@@ -24,23 +24,22 @@ std::string take_bus_and_pace(const std::string& bus, const std::string& pace, A
 }  // namespace
 
 std::optional<int> parse_flags(int argc, char** argv, ArmSimFlags& flags) {
-  CLI::App app("The simulated robot: drives and hand on a CAN bus, a camera, the truth nobody else knows.", "arm_sim");
+  tools::CommandLine line("The simulated robot: drives and hand on a CAN bus, a camera, the truth nobody else knows.",
+                          "arm_sim");
   std::string noise = "nominal", mount = "near", pace, bus;
-  app.add_option("--robot", flags.robot_file, "robot file (nominal)")->required();
-  app.add_option("--scene", flags.scene_file, "scene file (truth)")->required();
-  app.add_option("--seed", flags.seed, "which robot, mounts, noise")->capture_default_str();
-  app.add_option("--noise", noise, "clean | nominal | hard")->check(CLI::IsMember({"clean", "nominal", "hard"}));
-  app.add_option("--pace", pace, "lockstep (default with --bus) | real")->check(CLI::IsMember({"lockstep", "real"}));
-  app.add_option("--bus", bus, "emulated:PATH: serve an emulated bus there");
-  app.add_option("--can", flags.can_interface, "be on this CAN interface instead; implies --pace real");
-  app.add_option("--clock", flags.clock_path, "socket path of the simulated clock")->required();
-  app.add_option("--camera", flags.camera_address, "ADDR:PORT of the camera, port 0: chosen and printed")->required();
-  app.add_option("--camera-mount", mount, "near (its nominal mount) | anywhere")
-      ->check(CLI::IsMember({"near", "anywhere"}));
-  app.add_option("--rate", flags.rate_hz, "cycles a second, instead of the robot file's")
-      ->check(CLI::Range(1.0, 2000.0));
-  app.add_option("--log", flags.log_file, "write the bus' traffic there as candump -L text");
-  if (const auto code = host::parse_flags(app, argc, argv)) return code;
+  line.add("--robot", flags.robot_file, "robot file (nominal)").required();
+  line.add("--scene", flags.scene_file, "scene file (truth)").required();
+  line.add("--seed", flags.seed, "which robot, mounts, noise").show_default();
+  line.add("--noise", noise, "clean | nominal | hard").one_of({"clean", "nominal", "hard"});
+  line.add("--pace", pace, "lockstep (default with --bus) | real").one_of({"lockstep", "real"});
+  line.add("--bus", bus, "emulated:PATH: serve an emulated bus there");
+  line.add("--can", flags.can_interface, "be on this CAN interface instead; implies --pace real");
+  line.add("--clock", flags.clock_path, "socket path of the simulated clock").required();
+  line.add("--camera", flags.camera_address, "ADDR:PORT of the camera, port 0: chosen and printed").required();
+  line.add("--camera-mount", mount, "near (its nominal mount) | anywhere").one_of({"near", "anywhere"});
+  line.add("--rate", flags.rate_hz, "cycles a second, instead of the robot file's").between(1.0, 2000.0);
+  line.add("--log", flags.log_file, "write the bus' traffic there as candump -L text");
+  if (const auto code = line.parse(argc, argv)) return code;
   flags.noise = *noise_set_from_text(noise);
   flags.mount = mount == "near" ? CameraMount::kNear : CameraMount::kAnywhere;
   const std::string violation = take_bus_and_pace(bus, pace, flags);
