@@ -9,14 +9,14 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kFar = 100.0;  // metres: nothing we calibrate is larger
+constexpr double kFarthest_m = 100.0;  // nothing we calibrate is larger
 
 /// {xyz_m, rpy_rad} or {xyz_m, quat_wxyz}.
 Pose read_pose_or_frame(const YamlValue& value) {
   const YamlValue quat = value.optional_key("quat_wxyz");
   if (!quat.exists()) return read_frame(value);
   const std::vector<double> q = quat.numbers(4, -1.001, 1.001);
-  const Pose position{Matrix3::Identity(), read_vector(value.key("xyz_m"), kFar)};
+  const Pose position{Matrix3::Identity(), read_vector(value.key("xyz_m"), kFarthest_m)};
   if (q.size() != 4) return position;
   const Eigen::Quaterniond quat_A_B(q[0], q[1], q[2], q[3]);
   if (std::abs(quat_A_B.norm() - 1.0) > 1e-3) {

@@ -8,7 +8,7 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kFar = 100.0;  // metres: nothing we calibrate is larger
+constexpr double kMaxPriorSigma_m = 100.0;  // nothing we calibrate is larger
 
 int chain_index(const YamlValue& value, const ChainModel& model) {
   const std::string name = value.text();
@@ -29,7 +29,7 @@ void read_pose_unknown(const YamlValue& owner, const std::string& name, PoseUnkn
   if (!prior.exists()) return;
   if (unknown.freedom == Freedom::kFixed) prior.refuse("makes no sense beside fixed: true");
   unknown.freedom = Freedom::kPrior;
-  unknown.prior_sigma_m = prior.key("sigma_m").positive(kFar);
+  unknown.prior_sigma_m = prior.key("sigma_m").positive(kMaxPriorSigma_m);
   unknown.prior_sigma_rad = prior.key("sigma_rad").positive(10);
 }
 

@@ -12,7 +12,7 @@ namespace armsight {
 namespace {
 
 constexpr std::int64_t kFormatVersion = 1;
-constexpr double kMaxDistance_m = 10.0, kMaxBeta_rad = 1.0, kMaxVariance = 100.0, kMaxReport = 1e12;
+constexpr double kMaxOffset_m = 10.0, kMaxBeta_rad = 1.0, kMaxVariance = 100.0, kMaxReport = 1e12;
 
 std::string number(double value) {
   if (!std::isfinite(value)) throw std::invalid_argument("model file: a number is not finite");
@@ -65,7 +65,7 @@ StateMatrix read_covariance(const YamlValue& value, int size) {
 
 Pose read_quaternion_pose(const YamlValue& value) {
   Pose T;
-  T.p = read_vector(value.key("position_m"), kMaxDistance_m);
+  T.p = read_vector(value.key("position_m"), kMaxOffset_m);
   const YamlValue wxyz = value.key("quaternion_wxyz");
   const std::vector<double> v = wxyz.numbers(4, -1.1, 1.1);
   const Eigen::Quaterniond quat(v[0], v[1], v[2], v[3]);

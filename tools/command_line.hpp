@@ -1,5 +1,5 @@
-// The command line of a tool: options in, plain values out. CLI11 stays in command_line.cpp: every program that includes
-// it compiles for 14 s longer.
+// The command line of a tool: options in, plain values out. CLI11 stays in command_line.cpp: who includes it
+// compiles for 14 s longer.
 #pragma once
 
 #include <cstdint>

@@ -139,11 +139,11 @@ int main(int argc, char** argv) {
       "Sends a recording's messages to a fresh arm_controller on a simulated arm and compares its answers.", kName);
   Flags flags;
   line.add("FILE", flags.file,
-                 "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's")
+           "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's")
       .required();
   line.add("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller").required();
   line.add("--clock", flags.clock,
-                 "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
+           "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
   line.add("--connection", flags.connection, "this one of the recorded connections only, from 1").positive();
   if (const auto code = line.parse(argc, argv)) return *code;
   if (!flags.clock.starts_with("sim:"))

@@ -17,7 +17,7 @@ wire::Envelope proposal(const LinkRig& rig, std::uint64_t parent) {
   return envelope;
 }
 
-wire::Envelope joint_goal(std::uint64_t id) {
+wire::Envelope goal_on_model(std::uint64_t id) {
   wire::Envelope envelope;
   wire::JointGoal& goal = *envelope.mutable_joint_goal();
   goal.set_goal(id);
@@ -65,7 +65,7 @@ TEST(Model, NoMessageNamesARevisionThatIsNotOnDisk) {
   auto peer = rig.powered_commander();
   BlockedFile blocked(rig);
   peer->send(proposal(rig, 0));
-  peer->send(joint_goal(3));
+  peer->send(goal_on_model(3));
   const auto leak = rig.wait_for(*peer, [](const auto& e) { return revision_in(e) > 0; }, 400);
   EXPECT_FALSE(leak) << "a message of kind " << leak->body_case();
 }
