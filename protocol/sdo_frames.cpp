@@ -100,12 +100,16 @@ const char* sdo_abort_text(std::uint32_t code) noexcept {
     case 0x05030000: return "toggle bit did not alternate";
     case 0x05040000: return "SDO time-out";
     case 0x05040001: return "command not valid or unknown";
+    case 0x05040005: return "out of memory";
     case 0x06010000: return "access to the object is not supported";
     case 0x06010001: return "read of a write-only object";
     case 0x06010002: return "write to a read-only object";
     case 0x06020000: return "no such object";
     case 0x06040041: return "object cannot be mapped to a PDO";
     case 0x06040042: return "mapping exceeds the length of a PDO";
+    case 0x06040043: return "parameters are incompatible";
+    case 0x06040047: return "incompatible inside the device";
+    case 0x06060000: return "access failed: hardware error";
     case 0x06070010: return "length of the value does not match";
     case 0x06070012: return "value too long";
     case 0x06070013: return "value too short";
@@ -113,10 +117,14 @@ const char* sdo_abort_text(std::uint32_t code) noexcept {
     case 0x06090030: return "value out of range";
     case 0x06090031: return "value too high";
     case 0x06090032: return "value too low";
+    case 0x06090036: return "maximum is below minimum";
+    case 0x060A0023: return "resource not available";
     case 0x08000000: return "general error";
     case 0x08000020: return "value cannot be stored";
     case 0x08000021: return "value cannot be stored: local control";
     case 0x08000022: return "value cannot be stored in the present device state";
+    case 0x08000023: return "no object dictionary";
+    case 0x08000024: return "no data available";
     default: return "unknown SDO abort code";
   }
 }

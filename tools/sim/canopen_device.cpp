@@ -12,6 +12,8 @@ constexpr std::uint32_t kInvalidPdo = 0x80000000;
 constexpr std::uint16_t kRpdo = 0x1400, kRpdoMap = 0x1600, kTpdo = 0x1800, kTpdoMap = 0x1A00;
 constexpr std::uint32_t kProfile402 = 0x00020192, kVendor = 0x000005A1, kProduct = 1;
 constexpr std::uint8_t kMaxMapped = 8;
+constexpr std::uint16_t kLabel = 0x2001;       ///< where the owner writes what this drive is for
+constexpr std::size_t kMaxLabel = 32;
 constexpr std::uint16_t kEmcyHeartbeat = 0x8130, kEmcyRpdoTimeout = 0x8250;
 constexpr std::uint8_t kCommunicationError = 0x10;
 
@@ -39,6 +41,10 @@ void CanopenDevice::add_communication_objects() {
   };
   fixed(0x1000, 0, 4, kProfile402);
   fixed(0x1001, 0, 1, 0);
+  objects_.add_text(0x1008, 0, "Armsight simulated drive");
+  objects_.add_text(0x1009, 0, "sim 1");
+  objects_.add_text(0x100A, 0, "1.0.0");
+  objects_.add_text(kLabel, kMaxLabel, "");
   free(0x1005, 0, 4, kSyncId);
   free(0x1006, 0, 4, 0);
   free(0x1007, 0, 4, 0);
@@ -79,6 +85,7 @@ void CanopenDevice::restart(Time now) {
   reset(now);
   heartbeat_deadline_ = rpdo_deadline_ = kNever;
   pending_rpdo_.reset();
+  transfer_.reset();
   state_ = NmtState::kBootUp;
   send_(encode(Heartbeat{NmtState::kBootUp}, node_), now);
   state_ = NmtState::kPreOperational;

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocol/can_frames.hpp"
+#include "protocol/sdo_segments.hpp"
 #include "shared/time.hpp"
 #include "tools/sim/object_dictionary.hpp"
 
@@ -63,6 +63,11 @@ class CanopenDevice {
   void on_sync_frame(Time now);
   void on_heartbeat(const CanFrame& frame, Time now);
   void on_sdo(const CanFrame& frame, Time now);
+  bool on_segment(const CanFrame& frame, Time now);
+  void on_segmented_write(const SdoSegmentedStart& start, Time now);
+  void on_segment_request(const SdoSegmentRequest& request, Time now);
+  void on_written_segment(const SdoSegment& segment, Time now);
+  void end_transfer(std::uint32_t code, Time now);
   void on_read(ObjectAddress object, Time now);
   void on_write(const SdoWrite& write, Time now);
   void answer_abort(ObjectAddress object, std::uint32_t code, Time now);
@@ -81,6 +86,14 @@ class CanopenDevice {
   SendFrame send_;
   NmtState state_ = NmtState::kBootUp;
   std::optional<CanFrame> pending_rpdo_;
+  struct Transfer {
+    bool is_download;
+    ObjectAddress object;
+    std::string bytes;         ///< received so far, or still to be sent
+    std::size_t announced;     ///< 0: not told
+    bool toggle;
+  };
+  std::optional<Transfer> transfer_;
   Time next_heartbeat_, heartbeat_deadline_, rpdo_deadline_;
 };
 

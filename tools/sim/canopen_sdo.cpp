@@ -1,5 +1,7 @@
-// CanopenDevice's SDO server: expedited reads and writes, and the order in which PDOs may be changed
+// CanopenDevice's SDO server: expedited reads and writes, texts in segments, and the order in which PDOs may be changed
 // (controller.md §4.3): COB-ID invalid → mapping count 0 → entries → count → COB-ID valid.
+#include <algorithm>
+
 #include "tools/sim/canopen_device.hpp"
 
 namespace armsight::sim {
@@ -9,7 +11,6 @@ namespace {
 constexpr std::uint32_t kPdoOff = 0x80000000;
 constexpr std::uint32_t kRtrBit = 0x40000000;
 constexpr std::uint8_t kMaxMappable = 8;
-constexpr std::uint8_t kRequestAbort = 0x80;
 
 bool is_pdo_communication(std::uint16_t index) { return index == 0x1400 || index == 0x1800; }
 bool is_pdo_mapping(std::uint16_t index) { return index == 0x1600 || index == 0x1A00; }
@@ -17,14 +18,74 @@ bool is_pdo_mapping(std::uint16_t index) { return index == 0x1600 || index == 0x
 }  // namespace
 
 void CanopenDevice::on_sdo(const CanFrame& frame, Time now) {
+  if (decode_sdo_request_abort(frame, node_)) return transfer_.reset();
+  if (transfer_ && on_segment(frame, now)) return;
+  transfer_.reset();  // a new request ends what came before
   if (const auto read = decode_sdo_read(frame, node_)) return on_read(read->object, now);
   if (const auto write = decode_sdo_write(frame, node_)) return on_write(*write, now);
-  if (frame.size != 8 || frame.data[0] == kRequestAbort) return;
+  if (const auto start = decode_sdo_segmented_write(frame, node_)) return on_segmented_write(*start, now);
+  if (frame.size != 8) return;
   const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
   answer_abort({index, frame.data[3]}, kBadCommand, now);
 }
 
+bool CanopenDevice::on_segment(const CanFrame& frame, Time now) {
+  if (const auto request = decode_sdo_segment_request(frame, node_); request && !transfer_->is_download) {
+    on_segment_request(*request, now);
+    return true;
+  }
+  const auto segment = decode_sdo_request_segment(frame, node_);
+  if (segment && transfer_->is_download) on_written_segment(*segment, now);
+  return segment && (!transfer_ || transfer_->is_download);
+}
+
+void CanopenDevice::end_transfer(std::uint32_t code, Time now) {
+  if (code != 0) answer_abort(transfer_->object, code, now);
+  transfer_.reset();
+}
+
+void CanopenDevice::on_segmented_write(const SdoSegmentedStart& start, Time now) {
+  const TextObject* text = objects_.find_text(start.object);
+  const std::uint32_t missing = objects_.find(start.object) != nullptr ? kTooLong : objects_.missing(start.object);
+  if (text == nullptr) return answer_abort(start.object, missing, now);
+  if (text->max_bytes == 0) return answer_abort(start.object, kWriteToReadOnly, now);
+  if (start.total_bytes > text->max_bytes) return answer_abort(start.object, kTooLong, now);
+  transfer_ = Transfer{true, start.object, {}, start.total_bytes, false};
+  send_(encode(SdoWriteAnswer{start.object}, node_), now);
+}
+
+void CanopenDevice::on_written_segment(const SdoSegment& segment, Time now) {
+  if (segment.toggle != transfer_->toggle) return end_transfer(kSdoToggleError, now);
+  transfer_->bytes.append(segment.data.begin(), segment.data.begin() + segment.size);
+  TextObject* text = objects_.find_text(transfer_->object);
+  if (transfer_->bytes.size() > text->max_bytes) return end_transfer(kTooLong, now);
+  const bool is_cut = transfer_->announced != 0 && transfer_->bytes.size() != transfer_->announced;
+  if (segment.is_last && is_cut) return end_transfer(kSdoWrongLength, now);
+  send_(encode(SdoSegmentConfirmation{segment.toggle}, node_), now);
+  transfer_->toggle = !transfer_->toggle;
+  if (!segment.is_last) return;
+  text->text = transfer_->bytes;
+  end_transfer(0, now);
+}
+
+void CanopenDevice::on_segment_request(const SdoSegmentRequest& request, Time now) {
+  if (request.toggle != transfer_->toggle) return end_transfer(kSdoToggleError, now);
+  SdoSegment segment;
+  segment.toggle = request.toggle;
+  segment.size = static_cast<std::uint8_t>(std::min<std::size_t>(7, transfer_->bytes.size()));
+  segment.is_last = segment.size == transfer_->bytes.size();
+  std::copy_n(transfer_->bytes.begin(), segment.size, segment.data.begin());
+  transfer_->bytes.erase(0, segment.size);
+  transfer_->toggle = !transfer_->toggle;
+  send_(encode_answer(segment, node_), now);
+  if (segment.is_last) end_transfer(0, now);
+}
+
 void CanopenDevice::on_read(ObjectAddress object, Time now) {
+  if (const TextObject* text = objects_.find_text(object)) {
+    transfer_ = Transfer{false, object, text->text, 0, false};
+    return send_(encode_answer(SdoSegmentedStart{object, static_cast<std::uint32_t>(text->text.size())}, node_), now);
+  }
   const Object* found = objects_.find(object);
   if (found == nullptr) return answer_abort(object, objects_.missing(object), now);
   send_(encode(SdoReadAnswer{object, value_of(object), found->size}, node_), now);

@@ -1,8 +1,9 @@
-// The object dictionary of a simulated CANopen node: values up to four bytes, with their access and ranges.
+// The object dictionary of a simulated CANopen node: values up to four bytes and texts, with their access and ranges.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <string>
 
 #include "protocol/can_frames.hpp"
 
@@ -22,8 +23,21 @@ struct Object {
   std::uint32_t value = 0;
 };
 
+/// A visible string: what SDO moves in segments.
+struct TextObject {
+  std::size_t max_bytes = 0;  ///< 0: read only
+  std::string text;
+};
+
 class ObjectDictionary {
  public:
+  void add_text(std::uint16_t index, std::size_t max_bytes, const std::string& text) {
+    texts_[key({index, 0})] = {max_bytes, text};
+  }
+  TextObject* find_text(ObjectAddress address) {
+    const auto found = texts_.find(key(address));
+    return found == texts_.end() ? nullptr : &found->second;
+  }
   void add(std::uint16_t index, std::uint8_t sub, std::uint8_t size, Access access, std::uint32_t value) {
     objects_[key({index, sub})] = {size, access, value};
   }
@@ -51,6 +65,7 @@ class ObjectDictionary {
  private:
   static constexpr std::uint32_t key(ObjectAddress a) { return (std::uint32_t{a.index} << 8) | a.sub; }
   std::map<std::uint32_t, Object> objects_;
+  std::map<std::uint32_t, TextObject> texts_;
 };
 
 }  // namespace armsight::sim
