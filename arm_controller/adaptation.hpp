@@ -15,6 +15,7 @@ struct StartModel {
   LearnedModel model;
   std::optional<StateMatrix> P;
   ModelSource source = ModelSource::kNominal;
+  std::optional<JointVector> last_seen_rad = std::nullopt;  ///< readings when the arm was last known
 };
 
 class Adaptation {

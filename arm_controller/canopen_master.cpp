@@ -17,13 +17,16 @@ constexpr double kBeyondLimits_rad = 0.35;     ///< a whole turn off is always f
 
 double turn(const DriveConfig& drive) { return drive.sign * 2.0 * std::numbers::pi / drive.counts_per_turn; }
 
-NodeOptions node_options(const RobotConfig& robot, std::uint8_t node, double counts_per_turn) {
+NodeOptions node_options(const RobotConfig& robot, const DriveConfig& drive) {
   NodeOptions options;
-  options.script.node = node;
+  options.script.node = drive.node;
+  options.script.mode = drive.mode;
+  options.script.homing_method = drive.homing_method;
+  options.period_s = robot.controller.period_s;
   options.script.period_us = static_cast<std::uint32_t>(std::lround(1e6 * robot.controller.period_s));
   options.script.rpdo_deadline_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.rpdo_deadline_s));
   options.script.controller_heartbeat_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.heartbeat_s));
-  options.counts_per_turn = counts_per_turn;
+  options.counts_per_turn = drive.counts_per_turn;
   // Both watch each other with the same patience; a slow bus needs its cycles to show a state.
   options.heartbeat_lost_after = seconds_to_duration(robot.controller.heartbeat_s);
   options.state_timeout = std::max(options.state_timeout, kStateCycles * seconds_to_duration(robot.controller.period_s));
@@ -32,15 +35,18 @@ NodeOptions node_options(const RobotConfig& robot, std::uint8_t node, double cou
 
 }  // namespace
 
-CanopenMaster::CanopenMaster(const RobotConfig& robot)
+CanopenMaster::CanopenMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen)
     : limits_(robot.arm.limits), hand_(robot.hand), period_s_(robot.controller.period_s),
-      joint_count_(robot.arm.joint_count()), node_count_(joint_count_ + 1) {
+      joint_count_(robot.arm.joint_count()), node_count_(joint_count_ + 1), last_seen_(last_seen) {
   for (int i = 0; i < joint_count_; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     drives_[k] = robot.drives[k];
-    nodes_[k].emplace(node_options(robot, drives_[k].node, drives_[k].counts_per_turn));
+    nodes_[k].emplace(node_options(robot, drives_[k]));
   }
-  nodes_[static_cast<std::size_t>(joint_count_)].emplace(node_options(robot, hand_.node, 0.0));
+  DriveConfig hand;  // its counts a turn are nobody's concern
+  hand.node = hand_.node;
+  hand.mode = hand_.mode;
+  nodes_[static_cast<std::size_t>(joint_count_)].emplace(node_options(robot, hand));
   samples_.q_rad = samples_.torque_Nm = JointVector::Zero(joint_count_);
 }
 
@@ -95,6 +101,43 @@ void CanopenMaster::update_phase() noexcept {
                                  : BusPhase::kPowered;
 }
 
+std::optional<SelfCheck> CanopenMaster::take_self_check() noexcept {
+  if (!self_check_is_due_) return std::nullopt;
+  bool all_ready = true;
+  for (int i = 0; i < node_count_; ++i) {
+    if (node(i).phase() != NodePhase::kReady && !node(i).fault().is_set()) return std::nullopt;
+    all_ready = all_ready && node(i).phase() == NodePhase::kReady;
+  }
+  if (all_ready && !samples_.has_positions && !samples_.fault.is_set()) return std::nullopt;
+  self_check_is_due_ = false;
+  SelfCheck check;
+  check.node_count = node_count_;
+  check.wraps = wraps_;
+  for (int i = 0; i < node_count_; ++i) check.nodes[static_cast<std::size_t>(i)] = node(i).check();
+  return check;
+}
+
+// A joint that was just told "here is zero" reads otherwise than a cycle ago, and has not moved.
+void CanopenMaster::note_homing() noexcept {
+  for (int i = 0; i < joint_count_; ++i) {
+    const std::size_t k = static_cast<std::size_t>(i);
+    const bool is_homed = !node(i).needs_homing();
+    if (is_homed && !was_homed_[k] && node(i).is_homed_by_us()) samples_.has_positions = false;
+    was_homed_[k] = is_homed;
+  }
+}
+
+// Against the last position that was known: in this run, or in an earlier one (controller.md §4.4).
+void CanopenMaster::check_wrap(int joint, double q_rad) noexcept {
+  WrapCheck& wrap = wraps_[static_cast<std::size_t>(joint)];
+  wrap = {last_seen_.has_value() && !node(joint).is_homed_by_us(), 0.0, q_rad, Verdict::kDegraded};
+  if (!wrap.is_known) return;
+  wrap.last_rad = (*last_seen_)[joint];
+  const double moved = q_rad - wrap.last_rad;
+  wrap.verdict = is_about_a_whole_turn(moved) ? Verdict::kRefused : Verdict::kOk;
+  if (wrap.verdict == Verdict::kRefused) latch({FaultCode::kWholeTurn, node(joint).id(), 0, 0, 0, 0, -1, moved});
+}
+
 void CanopenMaster::update_joints() noexcept {
   bool all_fresh = sync_is_out_, all_known = true;
   for (int i = 0; i < joint_count_; ++i) {
@@ -103,6 +146,7 @@ void CanopenMaster::update_joints() noexcept {
   }
   samples_.is_fresh = all_fresh && all_known;
   if (!samples_.is_fresh) return;
+  note_homing();
   JointVector q(joint_count_);
   for (int i = 0; i < joint_count_; ++i) {
     const DriveConfig& drive = drives_[static_cast<std::size_t>(i)];
@@ -112,6 +156,7 @@ void CanopenMaster::update_joints() noexcept {
   samples_.is_fresh = positions_are_plausible(q);
   if (!samples_.is_fresh) return;
   samples_.q_rad = q;
+  last_seen_ = q;
   samples_.time = last_fresh_ = sync_time_;
   samples_.has_positions = true;
 }
@@ -120,13 +165,15 @@ void CanopenMaster::update_joints() noexcept {
 bool CanopenMaster::positions_are_plausible(const JointVector& q) noexcept {
   const double farthest = kFastestJoint_rad_s * to_seconds(sync_time_ - last_fresh_) + kEncoderNoise_rad;
   for (int i = 0; i < joint_count_; ++i) {
+    if (node(i).needs_homing()) continue;
+    if (!samples_.has_positions) check_wrap(i, q[i]);
     const bool is_outside =
         q[i] < limits_.min_rad[i] - kBeyondLimits_rad || q[i] > limits_.max_rad[i] + kBeyondLimits_rad;
     if (!samples_.has_positions && is_outside) latch({FaultCode::kOutsideLimits, node(i).id()});
     if (samples_.has_positions && std::abs(q[i] - samples_.q_rad[i]) > farthest)
-      latch({FaultCode::kEncoderStep, node(i).id()});
+      latch({FaultCode::kEncoderStep, node(i).id(), 0, 0, 0, 0, -1, q[i] - samples_.q_rad[i]});
   }
-  return !samples_.fault.is_set() || samples_.fault.code < FaultCode::kEncoderStep;
+  return !samples_.fault.is_set() || samples_.fault.code < FaultCode::kEncoderStep || is_plain_stop(samples_.fault.code);
 }
 
 void CanopenMaster::update_hand() noexcept {
@@ -139,6 +186,7 @@ void CanopenMaster::update_hand() noexcept {
 void CanopenMaster::recover(Time now) noexcept {
   samples_.fault = {};
   samples_.has_positions = false;
+  self_check_is_due_ = true;
   failed_cycles_ = 0;
   for (int i = 0; i < node_count_; ++i) joint_node(i).recover(now);
 }
@@ -164,7 +212,8 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
     if (const auto frame = joint_node(i).set_point(target_counts(i, q))) add(*frame);
   }
   const double stroke = hand_.closed_counts - hand_.open_counts;
-  const double closure = std::clamp(command.hand_closure, 0.0, 1.0);
+  const bool goes_by_itself = hand_.mode == DriveMode::kProfilePosition;
+  const double closure = std::clamp(goes_by_itself ? command.hand_goal : command.hand_closure, 0.0, 1.0);
   hand_node().set_torque_limit(command.hand_force_permille);
   // The fingers move only under the grip limit that was asked for.
   const auto counts = hand_node().torque_limit_is_set()

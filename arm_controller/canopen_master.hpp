@@ -16,7 +16,8 @@ class CanopenMaster {
  public:
   static constexpr int kMaxNodes = kMaxJoints + 1;  ///< joints and the hand
 
-  explicit CanopenMaster(const RobotConfig& robot);
+  /// last_seen: the readings when the arm was last known, to notice an encoder that lost a turn since.
+  explicit CanopenMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen = std::nullopt);
 
   /// Takes what the bus has brought since the last call. on_frame(const BusFrame&) sees every frame (the recorder).
   template <typename OnFrame>
@@ -26,19 +27,20 @@ class CanopenMaster {
       on_frame(received);
       take(received, now);
     }
-    finish_receiving(bus.take_errors(), now);
+    errors_ = bus.take_errors();
+    finish_receiving(errors_, now);
     return samples_;
   }
 
   /// SYNC, then set-points, then at most one service frame a node and our heartbeat: sampled data always beat commands,
-  /// commands beat configuration. on_frame sees what was sent.
+  /// commands beat configuration. on_frame(const BusFrame&, SendResult) sees what was sent, and what found no room.
   template <typename OnFrame>
   void send(CanBus& bus, const JointCommand& command, Time now, OnFrame&& on_frame) noexcept {
     prepare(command, now);
     for (std::size_t i = 0; i < outgoing_count_; ++i) {
       const SendResult result = bus.send(outgoing_[i]);
       note_sent(i, result, now);
-      if (result == SendResult::kSent) on_frame(BusFrame{outgoing_[i], now, false});
+      on_frame(BusFrame{outgoing_[i], now, false}, result);
     }
   }
 
@@ -46,6 +48,9 @@ class CanopenMaster {
   int node_count() const noexcept { return node_count_; }
   const Node& node(int i) const noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
   const BusErrors& error_totals() const noexcept { return error_totals_; }
+  const BusErrors& errors_of_cycle() const noexcept { return errors_; }
+  /// Complete once every node is configured, or refused; nullopt before, and after it was taken.
+  std::optional<SelfCheck> take_self_check() noexcept;
 
  private:
   void take(const BusFrame& received, Time now) noexcept;
@@ -54,7 +59,9 @@ class CanopenMaster {
   void update_phase() noexcept;
   void update_joints() noexcept;
   void update_hand() noexcept;
+  void note_homing() noexcept;
   bool positions_are_plausible(const JointVector& q) noexcept;
+  void check_wrap(int joint, double q_rad) noexcept;
   void latch(const Fault& fault) noexcept;
   void recover(Time now) noexcept;
   void prepare(const JointCommand& command, Time now) noexcept;
@@ -72,6 +79,10 @@ class CanopenMaster {
   std::array<std::optional<Node>, kMaxNodes> nodes_;
 
   JointSamples samples_;
+  std::optional<JointVector> last_seen_;
+  std::array<WrapCheck, kMaxJoints> wraps_{};
+  std::array<bool, kMaxJoints> was_homed_{};
+  bool self_check_is_due_ = true;
   PowerRequest power_ = PowerRequest::kOff;
   std::uint8_t sync_counter_ = 0;
   bool sync_is_out_ = false;             ///< sent and not yet answered for
@@ -80,7 +91,7 @@ class CanopenMaster {
   std::optional<Time> own_heartbeat_;
   int failed_cycles_ = 0;
   bool set_points_failed_ = false;
-  BusErrors error_totals_;
+  BusErrors error_totals_, errors_;
 
   std::array<CanFrame, 2 * kMaxNodes + 2> outgoing_{};
   std::size_t outgoing_count_ = 0;

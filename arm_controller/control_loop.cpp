@@ -2,6 +2,8 @@
 
 #include <time.h>
 
+#include <cstring>
+
 namespace armsight::arm {
 namespace {
 
@@ -16,39 +18,57 @@ double thread_time_us() noexcept {
 
 ControlLoop::ControlLoop(const RobotConfig& robot, const StartModel& start, CanBus& bus, Mailboxes& mailboxes,
                          Tape& tape, LoopStatistics& statistics)
-    : bus_(bus), mailboxes_(mailboxes), tape_(tape), statistics_(statistics), master_(robot),
-      controller_(robot, start) {}
+    : bus_(bus), mailboxes_(mailboxes), tape_(tape), statistics_(statistics), state_(robot, start) {
+  tape_.checkpoints.reserve(sizeof state_);
+}
 
 void ControlLoop::cycle(Time now, std::uint64_t missed) noexcept {
+  if (state_.cycle % kCheckpointEvery == 0) tape_.checkpoints.put(state_.cycle, std::as_bytes(std::span(&state_, 1)));
+  collect_inbox();
+  step(now, missed);
+}
+
+void ControlLoop::repeat_cycle(Time now, std::uint64_t missed, const TickInbox& inbox) noexcept {
+  inbox_ = inbox;
+  step(now, missed);
+}
+
+// The bytes were a LoopState of this executable, which owns nothing outside itself (loop_state.hpp).
+void ControlLoop::restore(std::span<const std::byte> checkpoint) noexcept {
+  std::memcpy(static_cast<void*>(&state_), checkpoint.data(), sizeof state_);
+}
+
+void ControlLoop::step(Time now, std::uint64_t missed) noexcept {
   record_.frame_count = record_.frames_left_out = 0;
+  inbox_.is_late = missed > state_.missed;
+  state_.missed = record_.missed = missed;
+  record_.cycle = ++state_.cycle;
+  record_.cycle_time = now;
   const JointSamples& joints =
-      master_.receive(bus_, now, [this](const BusFrame& frame) { keep(frame, false); });
-  collect_inbox(missed);
+      state_.master.receive(bus_, now, [this](const BusFrame& frame) { keep({frame, false, SendResult::kSent}); });
   const double begin_us = thread_time_us();
-  const TickOutput& output = controller_.tick(now, joints, inbox_);
+  const TickOutput& output = state_.controller.tick(now, joints, inbox_);
   record_.tick_us = thread_time_us() - begin_us;
   last_command_ = output.command;
-  master_.send(bus_, output.command, now, [this](const BusFrame& frame) { keep(frame, true); });
-
+  state_.master.send(bus_, output.command, now,
+                     [this](const BusFrame& frame, SendResult result) { keep({frame, true, result}); });
+  keep_inputs();
   statistics_.tick.add(record_.tick_us);
-  record_.cycle = statistics_.cycles.fetch_add(1, std::memory_order_relaxed) + 1;
-  record_.missed = missed;
-  record_.cycle_time = now;
+  statistics_.cycles.store(state_.cycle, std::memory_order_relaxed);
   statistics_.missed.store(missed, std::memory_order_relaxed);
-  statistics_.bus_send_failures.store(master_.error_totals().send_failures, std::memory_order_relaxed);
+  statistics_.bus_send_failures.store(state_.master.error_totals().send_failures, std::memory_order_relaxed);
   publish(output);
 }
 
 void ControlLoop::leave(Time now) noexcept {
   last_command_.power = last_command_.power == PowerRequest::kOff ? PowerRequest::kOff : PowerRequest::kQuickStop;
   for (int i = 0; i < 2; ++i) {  // the command takes effect in the master's next look at the nodes
-    master_.receive(bus_, now, [](const BusFrame&) {});
-    master_.send(bus_, last_command_, now, [](const BusFrame&) {});
+    state_.master.receive(bus_, now, [](const BusFrame&) {});
+    state_.master.send(bus_, last_command_, now, [](const BusFrame&, SendResult) {});
   }
 }
 
-void ControlLoop::collect_inbox(std::uint64_t missed) noexcept {
-  inbox_.is_late = missed > record_.missed;
+void ControlLoop::collect_inbox() noexcept {
   inbox_.stop = mailboxes_.stop.take();
   inbox_.model_not_saved = mailboxes_.model_not_saved.take();
   inbox_.lease = mailboxes_.lease.take();
@@ -66,17 +86,28 @@ void ControlLoop::publish(const TickOutput& output) noexcept {
     mailboxes_.events.push(output.events[i]);
     tape_.events.push(output.events[i]);
   }
+  if (const auto check = state_.master.take_self_check()) mailboxes_.self_check.put(*check);
   mailboxes_.state.put(output.snapshot);
   record_.state = output.snapshot;
   if (!tape_.ticks.push(record_)) statistics_.tape_overflows.fetch_add(1, std::memory_order_relaxed);
 }
 
-void ControlLoop::keep(const BusFrame& frame, bool is_sent) noexcept {
+void ControlLoop::keep(const TapeFrame& frame) noexcept {
   if (record_.frame_count < TickRecord::kMaxFrames) {
-    record_.frames[record_.frame_count++] = {frame, is_sent};
+    record_.frames[record_.frame_count++] = frame;
   } else {
     ++record_.frames_left_out;
   }
+}
+
+void ControlLoop::keep_inputs() noexcept {
+  record_.errors = state_.master.errors_of_cycle();
+  record_.stop = inbox_.stop;
+  record_.model_not_saved = inbox_.model_not_saved;
+  record_.lease = inbox_.lease;
+  const bool has_orders = inbox_.mode || inbox_.goal || inbox_.hand || inbox_.recalibration || inbox_.proposal || inbox_.look_count > 0;
+  record_.has_orders = has_orders;
+  if (has_orders) tape_.orders.push({record_.cycle, inbox_});
 }
 
 }  // namespace armsight::arm

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "arm_controller/can_bus.hpp"
-#include "arm_controller/canopen_master.hpp"
-#include "arm_controller/controller.hpp"
+#include "arm_controller/loop_state.hpp"
 #include "arm_controller/statistics.hpp"
 #include "arm_controller/tick_tape.hpp"
 
@@ -16,24 +15,29 @@ class ControlLoop {
 
   /// One cycle at `now`; missed: cycles skipped so far, of the clock.
   void cycle(Time now, std::uint64_t missed) noexcept;
+  /// The same, given what the mailboxes gave when it was recorded.
+  void repeat_cycle(Time now, std::uint64_t missed, const TickInbox& inbox) noexcept;
+  /// Goes on from a checkpoint of this very executable; precondition: its size.
+  void restore(std::span<const std::byte> checkpoint) noexcept;
   /// Last words to the drives: quick stop and hold by their own supervision.
   void leave(Time now) noexcept;
 
-  Mode mode() const noexcept { return controller_.mode(); }
-  bool bus_is_lost() const noexcept { return master_.error_totals().lost; }
-  const CanopenMaster& master() const noexcept { return master_; }
+  Mode mode() const noexcept { return state_.controller.mode(); }
+  bool bus_is_lost() const noexcept { return state_.master.error_totals().lost; }
+  const CanopenMaster& master() const noexcept { return state_.master; }
 
  private:
-  void collect_inbox(std::uint64_t missed) noexcept;
+  void collect_inbox() noexcept;
   void publish(const TickOutput& output) noexcept;
-  void keep(const BusFrame& frame, bool is_sent) noexcept;
+  void step(Time now, std::uint64_t missed) noexcept;
+  void keep(const TapeFrame& frame) noexcept;
+  void keep_inputs() noexcept;
 
   CanBus& bus_;
   Mailboxes& mailboxes_;
   Tape& tape_;
   LoopStatistics& statistics_;
-  CanopenMaster master_;
-  Controller controller_;
+  LoopState state_;
   TickInbox inbox_;
   TickRecord record_;
   JointCommand last_command_;

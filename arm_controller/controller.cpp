@@ -24,9 +24,9 @@ const TickOutput& Controller::tick(Time now, const JointSamples& joints, const T
   take_faults(now, joints, inbox);
   take_bus_phase(joints);
   take_lease(now, inbox);
-  take_inbox(inbox);
+  take_inbox(now, inbox);
   adaptation_.predict(period_s_);
-  step_motion();
+  step_motion(now);
   step_command(joints, now);
   fill_snapshot(joints);
   return output_;
@@ -76,11 +76,15 @@ void Controller::take_lease(Time now, const TickInbox& inbox) noexcept {
   if (lease_ && (lease_->session == 0 || now > lease_->until)) lease_.reset();
   if (!before || (lease_ && lease_->session == before->session)) return;
   adaptation_.close();
-  stop("the commander's lease ended");
+  Fault cause{inbox.lease && inbox.lease->session == 0 ? inbox.lease->why_free : FaultCode::kLeaseSilent};
+  if (cause.code == FaultCode::kLeaseSilent) cause.age_ns = (now - before->heard).count();
+  stop(now, cause);
 }
 
-void Controller::stop(const char* why) noexcept {
-  end_goal(GoalState::kStopped, why);
+void Controller::stop(Time now, const Fault& cause) noexcept {
+  const bool is_news = goal_is_active_ || mode_ == Mode::kServo || (mode_ == Mode::kReady && wants_power_);
+  if (is_news) emit(StopEvent{cause, now});
+  end_goal(GoalState::kStopped, stop_text(cause.code));
   hand_.stop();
   if (mode_ == Mode::kReady) wants_power_ = false;
   apply(ModeEvent::kStop);
@@ -100,7 +104,7 @@ void Controller::apply(ModeEvent event) noexcept {
   if (before == Mode::kFault && mode_ == Mode::kRecovering) wants_recover_ = true;
 }
 
-void Controller::step_motion() noexcept {
+void Controller::step_motion(Time now) noexcept {
   switch (mode_) {
     case Mode::kServo: {
       const Progress progress = motion_.step_to_goal(adaptation_.model(), watch_);
@@ -108,7 +112,7 @@ void Controller::step_motion() noexcept {
         end_goal(GoalState::kArrived, "");
         apply(ModeEvent::kArrived);
       } else if (progress == Progress::kGivenUp) {
-        stop("the arm did not come to rest within the tolerance");
+        stop(now, {FaultCode::kGoalGivenUp});
       }
       break;
     }
@@ -126,11 +130,12 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
   const bool is_driven = mode_ == Mode::kHold || mode_ == Mode::kServo || mode_ == Mode::kStopping;
   command.q_rad = is_driven ? motion_.command_rad() : joints.q_rad;
   command.hand_closure = hand_.command();
+  command.hand_goal = hand_.target();
   command.hand_force_permille = hand_.force_limit_permille();
   if (is_driven && !(command.q_rad.allFinite() && std::isfinite(command.hand_closure))) {
     raise(now, {FaultCode::kNotFinite});
     command.q_rad = joints.q_rad;
-    command.hand_closure = joints.hand_closure;
+    command.hand_closure = command.hand_goal = joints.hand_closure;
   }
   // A drive that an earlier controller left holding must not drop the arm: power goes off by command only.
   const bool stays_stopped = mode_ == Mode::kFault || mode_ == Mode::kRecovering;

@@ -34,7 +34,7 @@ class Controller {
   void take_faults(Time now, const JointSamples& joints, const TickInbox& inbox) noexcept;
   void take_bus_phase(const JointSamples& joints) noexcept;
   void take_lease(Time now, const TickInbox& inbox) noexcept;
-  void take_mode_order(const ModeOrder& order) noexcept;
+  void take_mode_order(Time now, const ModeOrder& order) noexcept;
   AnswerEvent answer_mode_order(const ModeOrder& order) noexcept;
   void take_goal(const Goal& goal) noexcept;
   AnswerEvent judge_goal(const Goal& goal) const noexcept;
@@ -42,14 +42,14 @@ class Controller {
   void take_recalibration(const RecalibrationOrder& order) noexcept;
   void take_proposal(const Proposal& proposal) noexcept;
   void take_look(const Look& look) noexcept;
-  void take_inbox(const TickInbox& inbox) noexcept;
+  void take_inbox(Time now, const TickInbox& inbox) noexcept;
   bool may_act(const Tag& tag, bool is_stopped = false) noexcept;
 
   void raise(Time now, const Fault& fault) noexcept;
   void apply(ModeEvent event) noexcept;
-  void stop(const char* why) noexcept;
+  void stop(Time now, const Fault& cause) noexcept;
   void end_goal(GoalState state, const char* text) noexcept;
-  void step_motion() noexcept;
+  void step_motion(Time now) noexcept;
   void step_command(const JointSamples& joints, Time now) noexcept;
   void announce_model() noexcept;
   void fill_snapshot(const JointSamples& joints) noexcept;

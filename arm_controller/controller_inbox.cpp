@@ -3,10 +3,10 @@
 
 namespace armsight::arm {
 
-void Controller::take_inbox(const TickInbox& inbox) noexcept {
-  if (inbox.stop) stop("stop was asked for");
+void Controller::take_inbox(Time now, const TickInbox& inbox) noexcept {
+  if (inbox.stop) stop(now, {FaultCode::kStopAsked});
   const bool asks_to_hold = inbox.mode && inbox.mode->wish == PowerWish::kHold;
-  if (inbox.mode && may_act(inbox.mode->tag, inbox.stop && asks_to_hold)) take_mode_order(*inbox.mode);
+  if (inbox.mode && may_act(inbox.mode->tag, inbox.stop && asks_to_hold)) take_mode_order(now, *inbox.mode);
   if (inbox.recalibration && may_act(inbox.recalibration->tag)) take_recalibration(*inbox.recalibration);
   if (inbox.proposal && may_act(inbox.proposal->tag)) take_proposal(*inbox.proposal);
   for (std::size_t i = 0; i < inbox.look_count; ++i)
@@ -33,7 +33,7 @@ AnswerEvent Controller::answer_mode_order(const ModeOrder& order) noexcept {
   return {order.tag, Answer::kAccepted, ""};
 }
 
-void Controller::take_mode_order(const ModeOrder& order) noexcept {
+void Controller::take_mode_order(Time now, const ModeOrder& order) noexcept {
   const AnswerEvent answer = answer_mode_order(order);
   emit(answer);
   if (answer.answer != Answer::kAccepted) return;
@@ -43,7 +43,7 @@ void Controller::take_mode_order(const ModeOrder& order) noexcept {
     watch_.reset();
     apply(ModeEvent::kClearFault);
   }
-  if (order.wish == PowerWish::kHold && mode_ == Mode::kServo) stop("hold was asked for");
+  if (order.wish == PowerWish::kHold && mode_ == Mode::kServo) stop(now, {FaultCode::kHoldAsked});
   wants_power_ = order.wish == PowerWish::kHold;
   asked_off_ = !wants_power_;
   if (!wants_power_) apply(ModeEvent::kPowerOff);

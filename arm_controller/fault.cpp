@@ -1,7 +1,9 @@
 #include "arm_controller/fault.hpp"
 
 #include <cstdio>
+#include <numbers>
 
+#include "arm_controller/emergency.hpp"
 #include "protocol/can_frames.hpp"
 
 namespace armsight::arm {
@@ -15,10 +17,27 @@ std::string hex(std::uint32_t value, int digits) {
 
 std::string object(const Fault& f) { return hex(f.index, 4) + ":" + std::to_string(f.sub); }
 
-std::string status_text(std::uint32_t detail) {
-  const auto statusword = static_cast<std::uint16_t>(detail & 0xFFFF);
-  return std::string(to_text(drive_state(statusword))) + ", last emergency " + hex(detail >> 16, 4);
+std::string status_text(const Fault& f) {
+  const auto statusword = static_cast<std::uint16_t>(f.detail & 0xFFFF);
+  const auto code = static_cast<std::uint16_t>(f.detail >> 16);
+  const std::string drive = std::string(to_text(drive_state(statusword))) + " (statusword " + hex(statusword, 4) + ")";
+  if (code == 0) return drive + ", no emergency message";
+  return drive + ", last emergency " + hex(code, 4) + ": " + emergency_text(code) + " (error register: " +
+         error_register_text(static_cast<std::uint8_t>(f.expected)) + ")";
 }
+
+std::string figure(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.1f %s", value, unit);
+  return text;
+}
+
+std::string last_seen(const Fault& f, const char* what) {
+  if (f.age_ns < 0) return std::string(", ") + what + " never";
+  return std::string(", ") + what + " " + figure(1e-6 * static_cast<double>(f.age_ns), "ms ago");
+}
+
+std::string moved(const Fault& f) { return figure(f.moved_rad * 180.0 / std::numbers::pi, "deg"); }
 
 }  // namespace
 
@@ -28,35 +47,71 @@ std::string fault_text(const Fault& f) {
     case FaultCode::kNone: return "no fault";
     case FaultCode::kBusLost: return "the CAN bus is gone";
     case FaultCode::kBusOff: return "the CAN interface is bus-off";
-    case FaultCode::kNodeAbsent: return node + ": neither boot-up nor heartbeat nor answer";
-    case FaultCode::kFeedbackMissing: return node + ": third TPDO1 missing in a row";
-    case FaultCode::kHeartbeatLost: return node + ": no heartbeat for " + std::to_string(f.detail) + " ms";
+    case FaultCode::kNodeAbsent: return node + ": neither boot-up nor heartbeat nor answer in 3 s";
+    case FaultCode::kFeedbackMissing: return node + ": third TPDO1 in a row missing" + last_seen(f, "last seen");
+    case FaultCode::kHeartbeatLost:
+      return node + ": no heartbeat for " + std::to_string(f.detail) + " ms" + last_seen(f, "last heard");
     case FaultCode::kSdoTimeout: return node + ": no answer to " + object(f) + " within 100 ms, three times";
-    case FaultCode::kSdoAborted: return node + ": " + object(f) + " refused: " + sdo_abort_text(f.detail);
+    case FaultCode::kSdoAborted: return node + ": " + object(f) + " refused: " + sdo_abort_text(f.detail) + " (" + hex(f.detail, 8) + ")";
     case FaultCode::kWrongIdentity:
       return node + ": " + object(f) + " is " + hex(f.detail, 8) + ", the configuration asks for " + hex(f.expected, 8);
     case FaultCode::kReadBackDiffers:
       return node + ": wrote " + hex(f.expected, 8) + " to " + object(f) + ", read back " + hex(f.detail, 8);
-    case FaultCode::kNodeRestarted: return node + ": restarted while in use";
+    case FaultCode::kNodeRestarted: return node + ": restarted or left the operational state while in use";
     case FaultCode::kSendFailed: return "set-points could not be sent in three cycles in a row";
-    case FaultCode::kDriveFault: return node + ": drive fault, " + status_text(f.detail);
-    case FaultCode::kEnableTimeout: return node + ": 200 ms without the next state on enabling, " + status_text(f.detail);
+    case FaultCode::kNoSupervision:
+      return node + ": has neither RPDO deadline (0x1400:5) nor heartbeat consumer (0x1016): it would not notice our death";
+    case FaultCode::kEmergencyStorm:
+      return node + ": " + std::to_string(f.detail & 0xFFFF) + " emergency messages within a second, the last " + hex(f.detail >> 16, 4) +
+             ": " + emergency_text(static_cast<std::uint16_t>(f.detail >> 16));
+    case FaultCode::kDriveFault: return node + ": drive fault, " + status_text(f);
+    case FaultCode::kEnableTimeout: return node + ": 200 ms without the next state on enabling, " + status_text(f);
     case FaultCode::kTargetIgnored: return node + ": enabled but bit 12 says that the target is ignored";
-    case FaultCode::kDriveLeftOperation: return node + ": left operation unasked, " + status_text(f.detail);
-    case FaultCode::kFaultResetFailed: return node + ": the fault reset did not help, " + status_text(f.detail);
-    case FaultCode::kEncoderStep: return node + ": the encoder stepped farther than the joint can move in a cycle";
+    case FaultCode::kDriveLeftOperation: return node + ": left operation unasked, " + status_text(f);
+    case FaultCode::kFaultResetFailed: return node + ": the fault reset did not help, " + status_text(f);
+    case FaultCode::kEncoderStep: return node + ": the encoder stepped by " + moved(f) + ", farther than the joint can move in a cycle";
     case FaultCode::kOutsideLimits:
       return node + ": position far outside the limits at power-on (an encoder off by a whole turn?)";
+    case FaultCode::kWholeTurn:
+      return node + ": stands " + moved(f) + " from where it was last seen, about a whole turn: the encoder lost its turns";
+    case FaultCode::kHomingFailed: return node + ": homing did not end, " + status_text(f);
     case FaultCode::kCycleOverrun: return "ten cycles late in a row";
     case FaultCode::kNotFinite: return "a computed set-point was not finite";
     case FaultCode::kModelNotSaved: return "the model in force could not be saved";
+    case FaultCode::kLeaseSilent: return std::string(stop_text(f.code)) + last_seen(f, "last heard");
+    case FaultCode::kGoalGivenUp:
+    case FaultCode::kConnectionClosed:
+    case FaultCode::kLeaseReleased:
+    case FaultCode::kHostLeft:
+    case FaultCode::kStopAsked:
+    case FaultCode::kHoldAsked: return stop_text(f.code);
   }
   return "unknown fault";
 }
 
-const char* fault_side(FaultCode code) {
-  const int number = static_cast<int>(code);
-  return number >= 300 ? "self" : number >= 200 ? "drive" : "bus";
+const char* fault_side(FaultCode code) noexcept {
+  switch (static_cast<int>(code) / 100) {
+    case 1: return "bus";
+    case 2: return "drive";
+    case 3: return "self";
+    case 4: return "link";
+    case 5: return "host";
+    case 6: return "operator";
+    default: return "none";
+  }
+}
+
+const char* stop_text(FaultCode code) noexcept {
+  switch (code) {
+    case FaultCode::kGoalGivenUp: return "the arm did not come to rest within the tolerance";
+    case FaultCode::kLeaseSilent: return "the commander was silent longer than its lease";
+    case FaultCode::kConnectionClosed: return "the commander's connection closed";
+    case FaultCode::kLeaseReleased: return "the commander released its lease";
+    case FaultCode::kHostLeft: return "the commander left";
+    case FaultCode::kStopAsked: return "stop was asked for";
+    case FaultCode::kHoldAsked: return "hold was asked for";
+    default: return "fault";
+  }
 }
 
 }  // namespace armsight::arm

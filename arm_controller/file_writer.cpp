@@ -11,6 +11,8 @@
 #include <variant>
 #include <vector>
 
+#include "arm_controller/black_box.hpp"
+#include "arm_controller/last_position.hpp"
 #include "arm_controller/state_folder.hpp"
 #include "arm_controller/tick_recording.hpp"
 
@@ -19,6 +21,7 @@ namespace {
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(5);
 constexpr std::uint64_t kTicksPerFlush = 250;
+constexpr double kMovedAtAll_rad = 0.01;
 
 using Job = std::variant<ModelEvent, wire::LinkRecord>;
 
@@ -44,6 +47,7 @@ struct FileWriter::Impl {
   void run();
   void drain_tape();
   void write_black_box(const FaultEvent& fault);
+  void save_position();
   void save(const ModelEvent& model);
   void post(Job job);
   void check(const TickRecording& written, const char* what);
@@ -53,10 +57,12 @@ struct FileWriter::Impl {
   wire::RecordingInfo info;
   Tape& tape;
   std::optional<TickRecording> recording;
-  std::deque<TickRecord> last_ticks;
+  BlackBox last_ticks;
   std::uint64_t ticks_written = 0, cycle = 0;
+  JointVector last_position, saved_position;  ///< size 0: none
 
-  std::mutex mutex;
+  mutable std::mutex mutex;
+  std::filesystem::path newest_black_box;
   std::condition_variable wake, done;
   std::vector<Job> jobs;
   std::uint64_t requested = 0, completed = 0;
@@ -111,17 +117,22 @@ void FileWriter::Impl::run() {
     }
     done.notify_all();
   }
+  save_position();
 }
 
 void FileWriter::Impl::drain_tape() {
   TickRecord record;
+  OrdersRecord orders;
+  tape.checkpoints.take([this](std::uint64_t at_cycle, std::span<const std::byte> state) { last_ticks.keep_checkpoint(at_cycle, state); });
   while (tape.ticks.pop(record)) {
+    while (tape.orders.pop(orders)) last_ticks.keep(orders);  // a tick's own were pushed before it
     cycle = record.cycle;
     recording->write(record);
-    last_ticks.push_back(record);
-    if (last_ticks.size() > kKeptTicks) last_ticks.pop_front();
+    last_ticks.keep(record);
+    if (record.state.has_positions) last_position = record.state.q_reading_rad;
     if (++ticks_written % kTicksPerFlush != 0) continue;
     recording->flush();
+    save_position();
     check(*recording, "ticks.mcap");
   }
   Event event;
@@ -133,17 +144,28 @@ void FileWriter::Impl::write_black_box(const FaultEvent& fault) {
   const auto file = folder / ("blackbox-" + std::to_string(to_ns(fault.time) / 1'000'000) + "ms-fault" +
                               std::to_string(static_cast<int>(fault.fault.code)) + ".mcap");
   try {
-    TickRecording box(file, info);
-    for (const TickRecord& record : last_ticks) {
-      box.write(record);
-      box.write_frames(record);
-    }
-    box.flush();
-    check(box, file.filename().c_str());
-    std::fprintf(stderr, "arm_controller: fault %d: %s; last %zu cycles in %s\n", static_cast<int>(fault.fault.code),
-                 fault_text(fault.fault).c_str(), last_ticks.size(), file.c_str());
+    last_ticks.write(file, info);
+    std::fprintf(stderr, "arm_controller: fault %d (%s): %s; last %zu cycles in %s\n", static_cast<int>(fault.fault.code),
+                 fault_side(fault.fault.code), fault_text(fault.fault).c_str(), last_ticks.size(), file.c_str());
+    const std::lock_guard lock(mutex);
+    newest_black_box = file;
   } catch (const std::exception& e) {
+    recording_is_broken = true;
     std::fprintf(stderr, "arm_controller: black box: %s\n", e.what());
+  }
+}
+
+// A disk that is full costs the comparison at the next start, no more: nothing is said here that the recordings do not say.
+void FileWriter::Impl::save_position() {
+  const bool is_known = last_position.size() != 0;
+  const bool has_moved = is_known && (saved_position.size() == 0 ||
+                                      (last_position - saved_position).cwiseAbs().maxCoeff() > kMovedAtAll_rad);
+  if (!has_moved) return;
+  try {
+    save_last_position(folder, robot, last_position);
+    saved_position = last_position;
+  } catch (const std::exception&) {
+    recording_is_broken = true;
   }
 }
 
@@ -185,6 +207,10 @@ void FileWriter::record_link(bool to_controller, const std::string& peer, const 
 }
 
 std::uint64_t FileWriter::saved_revision() const { return impl_->saved_revision.load(std::memory_order_acquire); }
+std::filesystem::path FileWriter::newest_black_box() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->newest_black_box;
+}
 bool FileWriter::recording_is_broken() const { return impl_->recording_is_broken.load(std::memory_order_relaxed); }
 bool FileWriter::take_save_failure() { return impl_->save_failed.take(); }
 

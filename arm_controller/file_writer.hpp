@@ -32,6 +32,8 @@ class FileWriter {
   bool take_save_failure();
   /// A recording or a black box could not be written to its end; said once on stderr.
   bool recording_is_broken() const;
+  /// The newest black box; empty: none was written by this run.
+  std::filesystem::path newest_black_box() const;
   /// Returns when everything queued so far is done.
   void wait_idle();
 

@@ -19,6 +19,7 @@ const char* const kHelp =
     "  --bus emulated:PATH    bus of a running arm_sim\n"
     "  --clock sim:PATH       simulated clock of that arm_sim; without it: this machine's\n"
     "  --rate HZ              instead of the configured period: 250 or 500 on one classic bus\n"
+    "  --replay FILE          go through a black box of this very executable again, alone: same (0) or different (1)\n"
     "  --require-rt           refuse to run without SCHED_FIFO and locked memory\n"
     "  --help\n"
     "\n"
@@ -51,6 +52,7 @@ void check_loopback(const std::string& address) {
 }
 
 void check(const Flags& flags) {
+  if (!flags.replay.empty()) return;  // touches no bus, no socket, no state
   const auto need = [](const std::string& value, const char* flag) {
     if (value.empty()) throw FlagError(std::string(flag) + " is missing (see --help)");
   };
@@ -69,7 +71,8 @@ void check(const Flags& flags) {
 Flags parse_flags(int argc, const char* const* argv) {
   Flags flags;
   const std::map<std::string, std::string*> texts{
-      {"--config", &flags.config}, {"--listen", &flags.listen}, {"--state", &flags.state}, {"--can", &flags.can}};
+      {"--config", &flags.config}, {"--listen", &flags.listen}, {"--state", &flags.state},
+      {"--can", &flags.can}, {"--replay", &flags.replay}};
   for (int i = 1; i < argc; ++i) {
     std::string flag = argv[i], value;
     if (flag == "--help") {

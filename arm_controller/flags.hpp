@@ -11,6 +11,7 @@ struct Flags {
   std::string config, listen, state;
   std::string can;            ///< SocketCAN interface
   std::string emulated_bus;   ///< path
+  std::string replay;         ///< black box to go through again, and nothing else
   std::string sim_clock;      ///< path
   double rate_hz = 0.0;       ///< 0: as configured
 };

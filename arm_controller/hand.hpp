@@ -31,6 +31,7 @@ class Hand {
   }
 
   double command() const noexcept { return command_; }
+  double target() const noexcept { return target_; }
   std::uint16_t force_limit_permille() const noexcept { return force_limit_permille_; }
   bool is_moving() const noexcept { return quiet_s_ < kQuietTime_s; }
 

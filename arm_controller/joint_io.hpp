@@ -35,6 +35,7 @@ struct JointCommand {
   bool recover = false;  ///< forget the fault, reset drives, configure again what was lost
   JointVector q_rad;     ///< targets as readings; used only where the phase is kPowered
   double hand_closure = 0.0;
+  double hand_goal = 0.0;  ///< where the closure is led to: for a drive that goes there by itself
   std::uint16_t hand_force_permille = 1000;
 };
 

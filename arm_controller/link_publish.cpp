@@ -1,4 +1,7 @@
 // LinkServer, third part: what goes out.
+#include <cstdio>
+#include <fstream>
+
 #include "arm_controller/link_reports.hpp"
 #include "arm_controller/link_server.hpp"
 #include "protocol/framing.hpp"
@@ -8,6 +11,7 @@ namespace {
 
 constexpr Duration kStatePeriod = std::chrono::milliseconds(20);
 constexpr Duration kStatisticsPeriod = std::chrono::seconds(1);
+constexpr std::uint64_t kBlackBoxPiece = 32 * 1024;
 constexpr Duration kSaveAgainAfter = std::chrono::seconds(1);
 
 /// 0: it names none.
@@ -77,6 +81,7 @@ void LinkServer::publish(Time now) {
 
 void LinkServer::take_events(Time now) {
   if (const auto state = mailboxes_.state.take()) state_ = *state;
+  if (const auto check = mailboxes_.self_check.take()) tell_self_check(*check);
   Event event;
   while (mailboxes_.events.pop(event)) publish_event(event, now);
 }
@@ -97,7 +102,8 @@ void LinkServer::publish_event(const Event& event, Time now) {
 // Why saved first: a revision that a peer has seen must survive a crash, or numbers would be given twice.
 void LinkServer::hold_or_tell(const Event& event, Time now) {
   if (held_.empty() && revision_in(event) <= revision_on_disk()) return tell(event, now);
-  if (std::holds_alternative<FaultEvent>(event)) return tell(event, now);  // names none, and cannot wait
+  const bool is_stop = std::holds_alternative<FaultEvent>(event) || std::holds_alternative<StopEvent>(event);
+  if (is_stop) return tell(event, now);  // names none, and cannot wait
   held_.push_back(event);
 }
 
@@ -113,6 +119,7 @@ void LinkServer::tell(const Event& event, Time now) {
     fault_ = *fault;
     to_wire(*fault, *envelope.mutable_fault_report());
   }
+  if (const auto* stop = std::get_if<StopEvent>(&event)) to_wire(*stop, *envelope.mutable_stop_report());
   broadcast(envelope, now);
 }
 
@@ -173,7 +180,15 @@ void LinkServer::publish_statistics(Time now) {
   s.set_events_lost(mailboxes_.events.overflows());
   s.set_ticks_unrecorded(statistics_.tape_overflows.load(std::memory_order_relaxed));
   s.set_recording_is_broken(files_.recording_is_broken());
+  for (const CheckLine& line : short_of_) s.add_degraded("node " + std::to_string(line.node) + ": " + line.text);
   broadcast(envelope, now);
+}
+
+// The page goes to the terminal before any message of this step can ask for power; what falls short stays in the status.
+void LinkServer::tell_self_check(const SelfCheck& check) {
+  short_of_ = lines_of(check);
+  std::fputs(to_text(short_of_).c_str(), stdout);
+  std::erase_if(short_of_, [](const CheckLine& line) { return line.verdict == Verdict::kOk; });
 }
 
 void LinkServer::greet(LinkSession& peer, Time now) {
@@ -187,6 +202,25 @@ void LinkServer::greet(LinkSession& peer, Time now) {
     to_wire(*fault_, *envelope.mutable_fault_report());
     send(peer, envelope, now);
   }
+}
+
+// One piece an asking: a peer that is slow to take them delays nobody.
+void LinkServer::on_black_box(const Message& m) {
+  const std::filesystem::path file = files_.newest_black_box();
+  wire::Envelope envelope;
+  wire::BlackBoxChunk& chunk = *envelope.mutable_black_box_chunk();
+  chunk.set_name(file.filename().string());
+  chunk.set_offset(m.envelope.black_box_request().offset());
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!file.empty() && in) {
+    chunk.set_total_bytes(static_cast<std::uint64_t>(in.tellg()));
+    const std::uint64_t left = chunk.total_bytes() - std::min(chunk.total_bytes(), chunk.offset());
+    std::string& data = *chunk.mutable_data();
+    data.resize(std::min<std::uint64_t>(left, kBlackBoxPiece));
+    in.seekg(static_cast<std::streamoff>(chunk.offset()));
+    if (!data.empty() && !in.read(data.data(), static_cast<std::streamsize>(data.size()))) data.clear();
+  }
+  send(m.peer, envelope, m.now);
 }
 
 void LinkServer::close(Time now) {

@@ -115,4 +115,11 @@ void to_wire(const FaultEvent& event, wire::FaultReport& out) {
   out.set_arm_time_ns(to_ns(event.time));
 }
 
+void to_wire(const StopEvent& event, wire::StopReport& out) {
+  out.set_code(static_cast<std::uint32_t>(event.cause.code));
+  out.set_text(fault_text(event.cause));
+  out.set_side(fault_side(event.cause.code));
+  out.set_arm_time_ns(to_ns(event.time));
+}
+
 }  // namespace armsight::arm

@@ -12,6 +12,7 @@ void to_wire(const GoalEvent& event, wire::GoalStatus& out);
 void to_wire(const FilterEvent& event, wire::FilterReport& out);
 void to_wire(const ModelEvent& event, wire::ModelUpdate& out);
 void to_wire(const FaultEvent& event, wire::FaultReport& out);
+void to_wire(const StopEvent& event, wire::StopReport& out);
 wire::Mode to_wire(Mode mode);
 wire::RefusalReason to_wire(Answer answer);
 

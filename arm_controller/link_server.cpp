@@ -21,6 +21,13 @@ std::uint64_t scramble(std::uint64_t x) {
   return (x ^ (x >> 31)) | 1u;
 }
 
+net::StreamOptions controllers_end() {
+  net::StreamOptions options;
+  options.max_incoming = wire::kMaxToController;
+  options.max_outgoing = wire::kMaxFromController;
+  return options;
+}
+
 std::string version_text(std::uint32_t version) {
   return std::to_string(version / 100) + "." + std::to_string(version % 100);
 }
@@ -31,7 +38,7 @@ LinkServer::LinkServer(const std::string& address, const RobotConfig& robot, con
                        Mailboxes& mailboxes, const LoopStatistics& statistics, FileWriter& files, net::Clock& clock)
     : robot_(robot), model_hash_(model_hash(robot)), bus_(bus), mailboxes_(mailboxes), statistics_(statistics),
       files_(files), clock_(clock),
-      server_(address, net::ChannelKind::kLink, net::StreamOptions{}, clock, sim_participant),
+      server_(address, net::ChannelKind::kLink, controllers_end(), clock, sim_participant),
       next_session_(static_cast<std::uint64_t>(to_ns(clock.now()))),
       lease_length_(seconds_to_duration(robot.controller.lease_s)) {
   state_.q_reading_rad = JointVector::Zero(robot.arm.joint_count());
@@ -45,7 +52,7 @@ void LinkServer::step(Time now) {
     else handle(session_of(event.stream), event.message, now);
   }
   judge_pose_goal(now);
-  if (lease_.session != 0 && now > lease_.until) end_lease("lease ended: the commander was silent too long", now);
+  if (lease_.session != 0 && now > lease_.until) end_lease(FaultCode::kLeaseSilent, now);
 }
 
 LinkSession& LinkServer::session_of(net::FramedStream* stream) {
@@ -59,7 +66,7 @@ LinkSession& LinkServer::session_of(net::FramedStream* stream) {
 void LinkServer::forget(net::FramedStream* stream) {
   for (auto& session : sessions_)
     if (session->stream == stream && session->session != 0 && session->session == lease_.session)
-      end_lease("lease ended: the commander's connection closed", clock_.now());
+      end_lease(FaultCode::kConnectionClosed, clock_.now());
   std::erase_if(sessions_, [stream](const auto& session) { return session->stream == stream; });
 }
 
@@ -107,9 +114,10 @@ void LinkServer::dispatch(const Message& m) {
     case wire::Envelope::kHello: return on_hello(m);
     case wire::Envelope::kHeartbeat: return on_heartbeat(m);
     case wire::Envelope::kBye:
-      if (m.peer.session == lease_.session) end_lease("lease ended: the commander left", m.now);
+      if (m.peer.session == lease_.session) end_lease(FaultCode::kHostLeft, m.now);
       return m.peer.stream->close("bye");
     case wire::Envelope::kLeaseRequest: return on_lease(m);
+    case wire::Envelope::kBlackBoxRequest: return on_black_box(m);
     case wire::Envelope::kModeRequest:
     case wire::Envelope::kJointGoal:
     case wire::Envelope::kPoseGoal:
@@ -166,12 +174,12 @@ void LinkServer::on_lease(const Message& m) {
   if (!m.peer.may_command)
     return refuse(m, {wire::REFUSAL_REASON_NO_LEASE, "this session observes: say Hello with ROLE_COMMAND"});
   if (m.envelope.lease_request().release()) {
-    if (is_holder) end_lease("lease released", m.now);
+    if (is_holder) end_lease(FaultCode::kLeaseReleased, m.now);
     return accept(m);
   }
   if (lease_.session != 0 && !is_holder)
     return refuse(m, {wire::REFUSAL_REASON_LEASE_TAKEN, "another session commands"});
-  lease_ = {m.peer.session, m.arrival + lease_length_};
+  lease_ = {m.peer.session, m.arrival + lease_length_, m.arrival};
   post_lease();
   accept(m);
 }
@@ -179,15 +187,17 @@ void LinkServer::on_lease(const Message& m) {
 void LinkServer::renew_lease(const Message& m) {
   if (m.peer.session == 0 || m.peer.session != lease_.session) return;
   lease_.until = m.arrival + lease_length_;
+  lease_.heard = m.arrival;
   post_lease();
 }
 
-void LinkServer::end_lease(const char* why, Time now) {
-  const std::uint64_t holder = lease_.session;
-  lease_ = {};
+void LinkServer::end_lease(FaultCode why, Time now) {
+  const Lease ended = lease_;
+  lease_ = {0, {}, ended.heard, why};
   post_lease();
-  drop_pose_goal({wire::REFUSAL_REASON_NO_LEASE, why}, now);
-  send_refusal({holder, 0}, {wire::REFUSAL_REASON_NO_LEASE, why}, now);
+  const Refused refused{wire::REFUSAL_REASON_NO_LEASE, std::string("lease ended: ") + stop_text(why)};
+  drop_pose_goal(refused, now);
+  send_refusal({ended.session, 0}, refused, now);
 }
 
 void LinkServer::post_lease() { mailboxes_.lease.put(lease_); }

@@ -49,6 +49,7 @@ class LinkServer {
   void on_hello(const Message& m);
   void on_heartbeat(const Message& m);
   void on_lease(const Message& m);
+  void on_black_box(const Message& m);
   void on_command(const Message& m);
   template <typename Order, typename Body, typename... View>
   void hand_on(const Message& m, Slot<Order>& slot, const Body& body, const View&... view);
@@ -59,7 +60,7 @@ class LinkServer {
   void on_look(const Message& m);
 
   void renew_lease(const Message& m);
-  void end_lease(const char* why, Time now);
+  void end_lease(FaultCode why, Time now);
   void post_lease();
 
   void send(LinkSession& peer, wire::Envelope& envelope, Time now);
@@ -79,6 +80,7 @@ class LinkServer {
   std::uint64_t revision_on_disk() const { return std::max(loaded_revision_, files_.saved_revision()); }
   void publish_state(Time now);
   void publish_statistics(Time now);
+  void tell_self_check(const SelfCheck& check);
   void greet(LinkSession& peer, Time now);
   LinkView view() const { return {robot_, state_}; }
 
@@ -106,6 +108,7 @@ class LinkServer {
   std::deque<Event> held_;            ///< what names a revision that is not on disk yet, and what came after it
   std::optional<ModelEvent> model_;   ///< last published
   std::optional<FaultEvent> fault_;
+  std::vector<CheckLine> short_of_;   ///< of the last self-check: degraded or refused
   Time next_state_{}, next_statistics_{};
   std::optional<Time> save_again_at_;
 };

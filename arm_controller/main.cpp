@@ -2,6 +2,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "arm_controller/black_box_replay.hpp"
 #include "arm_controller/program.hpp"
 #include "arm_controller/socket_can.hpp"
 
@@ -25,6 +26,17 @@ int fail(int code, const char* what) {
   return code;
 }
 
+int replay(const std::string& file) {
+  const armsight::arm::BlackBoxResult result = armsight::arm::replay_black_box(file);
+  if (result.difference) {
+    std::printf("arm_controller: different, first: %s\n", result.difference->c_str());
+    return 1;
+  }
+  std::printf("arm_controller: same: %llu cycles gone through again, %llu frames compared\n",
+              static_cast<unsigned long long>(result.cycles), static_cast<unsigned long long>(result.frames_compared));
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,6 +48,7 @@ int main(int argc, char** argv) {
       std::fputs(arm::kHelp, stdout);
       return 0;
     }
+    if (!flags.replay.empty()) return replay(flags.replay);
     catch_signals();
     arm::Program program(flags);
     return program.run(g_leaves);

@@ -9,6 +9,7 @@
 #include "arm_controller/fault.hpp"
 #include "arm_controller/mailbox.hpp"
 #include "arm_controller/modes.hpp"
+#include "arm_controller/self_check.hpp"
 #include "shared/joint_offset_ekf.hpp"
 #include "shared/time.hpp"
 
@@ -52,7 +53,12 @@ struct Proposal {
   StateMatrix P;
 };
 /// Until when somebody commands. The tick judges it, so that a stuck link cannot keep the arm moving.
-struct Lease { std::uint64_t session = 0; Time until; };
+struct Lease {
+  std::uint64_t session = 0;
+  Time until;
+  Time heard{};                                   ///< its holder, last
+  FaultCode why_free = FaultCode::kLeaseSilent;   ///< of session 0
+};
 
 inline constexpr std::size_t kMaxLooks = 8;
 
@@ -108,8 +114,10 @@ struct ModelEvent {
 };
 
 struct FaultEvent { Fault fault; Time time; };
+/// A stop that needs no clearing: who, why, with which evidence.
+struct StopEvent { Fault cause; Time time; };
 
-using Event = std::variant<AnswerEvent, GoalEvent, FilterEvent, ModelEvent, FaultEvent>;
+using Event = std::variant<AnswerEvent, GoalEvent, FilterEvent, ModelEvent, FaultEvent, StopEvent>;
 
 /// The newest state, overwritten every cycle.
 struct ArmSnapshot {
@@ -135,6 +143,7 @@ struct Mailboxes {
   Ring<Look, kMaxLooks> looks;
 
   Slot<ArmSnapshot> state;
+  Slot<SelfCheck> self_check;
   Ring<Event, 128> events;
 };
 

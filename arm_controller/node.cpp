@@ -2,21 +2,33 @@
 
 namespace armsight::arm {
 
-Node::Node(const NodeOptions& options) noexcept : options_(options), script_(make_node_script(options.script)) {}
+Node::Node(const NodeOptions& options) noexcept : options_(options), script_(make_node_script(options.script)) {
+  begin_check();
+}
+
+void Node::latch(const Fault& fault) noexcept {
+  if (!fault_.is_set()) fault_ = check_.fault = fault;  // the first one is the cause
+}
 
 void Node::latch(FaultCode code, const ObjectAddress& object, std::uint32_t detail, std::uint32_t expected) noexcept {
-  if (fault_.is_set()) return;  // the first one is the cause
-  fault_ = {code, id(), object.index, object.sub, detail, expected};
+  latch({code, id(), object.index, object.sub, detail, expected});
+}
+
+void Node::latch_silence(FaultCode code, std::optional<Time> last, Time now) noexcept {
+  const bool is_heartbeat = code == FaultCode::kHeartbeatLost;
+  const auto limit_ms = is_heartbeat ? options_.heartbeat_lost_after / std::chrono::milliseconds(1) : 0;
+  latch({code, id(), 0, 0, static_cast<std::uint32_t>(limit_ms), 0, last ? (now - *last).count() : -1});
 }
 
 void Node::latch_drive(FaultCode code) noexcept {
-  latch(code, {}, feedback_.statusword | (std::uint32_t{emergency_} << 16));
+  latch(code, {}, feedback_.statusword | (std::uint32_t{emergency_} << 16), error_register_);
 }
 
 void Node::restart(Time now) noexcept {
   phase_ = NodePhase::kAbsent;
   phase_since_ = now;
   fault_ = {};
+  begin_check();
   sdo_.clear();
   has_feedback_ = feedback_arrived_ = was_enabled_ = is_resetting_ = fell_back_ = false;
   has_torque_offset_ = true;
@@ -25,12 +37,24 @@ void Node::restart(Time now) noexcept {
   torque_limit_.reset();
   torque_limit_in_flight_.reset();
   controlword_ = kDisableVoltage;
+  is_homed_ = false;
+  homing_ = HomingStep::kNone;
+}
+
+void Node::begin_check() noexcept {
+  check_ = {};
+  check_.node = id();
+  check_.mode = options_.script.mode;
+  check_.homing_method = options_.script.homing_method;
 }
 
 void Node::recover(Time now) noexcept {
-  const bool is_only_in_fault = phase_ == NodePhase::kReady && fault_.code >= FaultCode::kDriveFault;
+  const bool is_half_homed = fault_.code == FaultCode::kHomingFailed;  // in which mode is the drive?
+  const bool is_only_in_fault = phase_ == NodePhase::kReady && fault_.code >= FaultCode::kDriveFault && !is_half_homed;
   if (fault_.is_set() && !is_only_in_fault) return restart(now);
-  fault_ = {};
+  fault_ = check_.fault = {};
+  homing_ = HomingStep::kNone;
+  emergencies_ = 0;
   was_enabled_ = false;
   if (phase_ != NodePhase::kReady) return;
   is_resetting_ = drive_state_now() == DriveState::kFault || drive_state_now() == DriveState::kFaultReaction;
@@ -47,12 +71,27 @@ void Node::receive(const CanFrame& frame, Time now) noexcept {
   } else if (const auto feedback = decode_tpdo1(frame, id())) {
     if (phase_ != NodePhase::kStarting && phase_ != NodePhase::kReady) return;
     feedback_ = *feedback;
+    feedback_time_ = now;
     has_feedback_ = feedback_arrived_ = true;
   } else if (const auto emergency = decode_emcy(frame, id())) {
-    if (emergency->code != 0) emergency_ = emergency->code;
+    take_emergency(*emergency, now);
   } else {
     sdo_.receive(frame, id());
   }
+}
+
+// One is news, fifty a second are a drive that has lost itself and a bus that carries little else.
+void Node::take_emergency(const Emcy& emergency, Time now) noexcept {
+  if (now - emergencies_since_ > std::chrono::seconds(1)) {
+    emergencies_since_ = now;
+    emergencies_ = 0;
+  }
+  ++emergencies_;
+  if (emergency.code == 0) return;
+  emergency_ = emergency.code;
+  error_register_ = emergency.error_register;
+  if (emergencies_ >= kEmergencyStorm)
+    latch(FaultCode::kEmergencyStorm, {}, static_cast<std::uint32_t>(emergencies_) | std::uint32_t{emergency_} << 16);
 }
 
 // A node that an earlier controller left operational is taken back to pre-operational before anything is written.
@@ -60,6 +99,7 @@ void Node::see(Time now) noexcept {
   phase_ = NodePhase::kConfiguring;
   phase_since_ = now;
   step_ = 0;
+  begin_check();
   reads_back_ = uses_fall_back_ = false;
   nmt_to_send_ = Nmt{NmtCommand::kPreOperational, id()};
   sdo_.clear();
@@ -90,24 +130,16 @@ void Node::supervise(Time now, bool sync_answered) noexcept {
     missed_feedback_ = 0;
     if (phase_ == NodePhase::kStarting && ++feedback_seen_ == kFeedbackToStart) {
       phase_ = NodePhase::kReady;
+      check_.is_ready = true;
       heartbeat_time_ = now;  // its heartbeat may have begun only just now
     }
   } else if (sync_answered && phase_ == NodePhase::kReady && ++missed_feedback_ >= kMissedFeedbackLimit) {
-    latch(FaultCode::kFeedbackMissing);
+    latch_silence(FaultCode::kFeedbackMissing, feedback_time_, now);
   }
-  if (phase_ == NodePhase::kStarting && now - *phase_since_ > kStartTimeout) latch(FaultCode::kFeedbackMissing);
+  if (phase_ == NodePhase::kStarting && now - *phase_since_ > kStartTimeout)
+    latch_silence(FaultCode::kFeedbackMissing, has_feedback_ ? std::optional(feedback_time_) : std::nullopt, now);
   if (phase_ == NodePhase::kReady && heartbeat_time_ && now - *heartbeat_time_ > options_.heartbeat_lost_after)
-    latch(FaultCode::kHeartbeatLost, {},
-          static_cast<std::uint32_t>(options_.heartbeat_lost_after / std::chrono::milliseconds(1)));
-}
-
-std::optional<CanFrame> Node::set_point(std::int32_t target_counts) const noexcept {
-  if (phase_ != NodePhase::kReady) return std::nullopt;
-  const bool is_following_command = is_following() && controlword_ == kEnableOperation;
-  CanFrame frame =
-      encode(Rpdo1{controlword_, is_following_command ? target_counts : feedback_.position_counts, 0}, id());
-  if (!has_torque_offset_) frame.size = 6;
-  return frame;
+    latch_silence(FaultCode::kHeartbeatLost, heartbeat_time_, now);
 }
 
 std::optional<CanFrame> Node::service_frame(Time now) noexcept {
@@ -116,7 +148,7 @@ std::optional<CanFrame> Node::service_frame(Time now) noexcept {
     nmt_to_send_.reset();
     return frame;
   }
-  if (phase_ == NodePhase::kReady && sdo_.result() != SdoResult::kPending) {
+  if (phase_ == NodePhase::kReady && homing_ == HomingStep::kNone && sdo_.result() != SdoResult::kPending) {
     if (torque_limit_in_flight_) {
       if (sdo_.result() == SdoResult::kDone) torque_limit_ = torque_limit_in_flight_;
       if (sdo_.result() == SdoResult::kTimedOut) latch(FaultCode::kSdoTimeout, {0x6072, 0});

@@ -1,16 +1,17 @@
 // Node, second half: the CiA 402 power state machine. Every state is waited for; every wait has an end and a name.
+#include "arm_controller/drive_commands.hpp"
 #include "arm_controller/node.hpp"
 
 namespace armsight::arm {
 namespace {
 
-constexpr std::uint16_t kFollowsTarget = 1u << 12;  ///< statusword in CSP: 0 = target ignored
+constexpr std::uint16_t kFollowsTarget = 1u << 12;  ///< statusword in CSP and CSV: 0 = target ignored
 
 }  // namespace
 
 bool Node::is_following() const noexcept {
-  return phase_ == NodePhase::kReady && drive_state_now() == DriveState::kOperationEnabled &&
-         (feedback_.statusword & kFollowsTarget) != 0;
+  const bool heeds = options_.script.mode == DriveMode::kProfilePosition || (feedback_.statusword & kFollowsTarget) != 0;
+  return phase_ == NodePhase::kReady && drive_state_now() == DriveState::kOperationEnabled && heeds && !needs_homing();
 }
 
 void Node::advance_power(Time now, PowerRequest power) noexcept {
@@ -22,7 +23,12 @@ void Node::advance_power(Time now, PowerRequest power) noexcept {
   if (is_resetting_) return advance_reset(now);
   const bool is_fault = state == DriveState::kFault || state == DriveState::kFaultReaction;
   if (is_fault) latch_drive(FaultCode::kDriveFault);
-  if (power != PowerRequest::kOn) was_enabled_ = false;
+  if (power != PowerRequest::kOn) {
+    was_enabled_ = false;
+    if (homing_ != HomingStep::kNone) leave_homing();
+  } else if (!fault_.is_set() && needs_homing()) {
+    return advance_homing(now);
+  }
   const std::uint16_t before = controlword_;
   controlword_ = command_for(fault_.is_set() ? PowerRequest::kQuickStop : power, state, now - state_since_ > options_.state_timeout);
   if (controlword_ != before) state_since_ = now;  // the wait begins with the command
@@ -38,26 +44,11 @@ void Node::supervise_power(DriveState state, bool state_is_old) noexcept {
 }
 
 std::uint16_t Node::command_for(PowerRequest power, DriveState state, bool state_is_old) noexcept {
-  if (state == DriveState::kFault || state == DriveState::kFaultReaction || state == DriveState::kNotReady)
-    return kDisableVoltage;
-  switch (power) {
-    case PowerRequest::kOff:
-      return state == DriveState::kQuickStopActive ? kDisableVoltage : kShutdown;
-    case PowerRequest::kQuickStop:
-      if (state == DriveState::kOperationEnabled || state == DriveState::kQuickStopActive) return kQuickStop;
-      return kShutdown;
-    case PowerRequest::kOn: break;
-  }
-  switch (state) {
-    case DriveState::kReadyToSwitchOn: return kSwitchOn;
-    case DriveState::kSwitchedOn:
-    case DriveState::kOperationEnabled: return kEnableOperation;
-    case DriveState::kQuickStopActive:
-      // Transition 16 keeps the joint powered; a drive without it goes the long way.
-      if (controlword_ == kDisableVoltage) return kDisableVoltage;
-      return controlword_ == kEnableOperation && state_is_old ? kDisableVoltage : kEnableOperation;
-    default: return kShutdown;
-  }
+  const bool is_transition_16 = power == PowerRequest::kOn && state == DriveState::kQuickStopActive;
+  // Transition 16 keeps the joint powered; a drive without it goes the long way.
+  const bool lacks_16 = controlword_ == kDisableVoltage || (controlword_ == kEnableOperation && state_is_old);
+  if (is_transition_16 && lacks_16) return kDisableVoltage;
+  return power_command(power, state);
 }
 
 // Fault reset acts on a rising edge: first 0, then 0x80 until the fault is gone.

@@ -7,12 +7,14 @@
 #include <cstdint>
 
 #include "protocol/can_frames.hpp"
+#include "protocol/config.hpp"
 
 namespace armsight::arm {
 
 enum class StepKind : std::uint8_t {
   kCompare,    ///< read, (value & mask) must be `value`
   kStore,      ///< read into a slot
+  kText,       ///< read a string, for people
   kWrite,      ///< write only: the value is final later in the table
   kWriteBack,  ///< write, read back, must be equal
 };
@@ -20,12 +22,14 @@ enum class StepKind : std::uint8_t {
 enum class OnAbort : std::uint8_t {
   kFault,
   kSkip,           ///< optional in drives
-  kFallBack,       ///< write `fall_back` instead
+  kDegrade,        ///< the arm can live without it, but it is told; so it is where another value reads back
+  kFallBack,       ///< write `fall_back` instead, and tell
   kShorterRpdo,    ///< the drive has no torque offset: RPDO1 ends after the target
 };
 
 /// Values that later decisions need.
-enum StoreSlot : std::uint8_t { kEncoderCounts, kEncoderTurns, kGearMotor, kGearShaft, kRatedTorque, kStoreSlots };
+enum StoreSlot : std::uint8_t { kEncoderCounts, kEncoderTurns, kGearMotor, kGearShaft, kRatedTorque, kVendor, kProduct, kRevision, kSerial,
+                                kStoreSlots };
 
 struct ScriptStep {
   ObjectAddress object;
@@ -39,7 +43,7 @@ struct ScriptStep {
 };
 
 struct NodeScript {
-  std::array<ScriptStep, 48> steps{};
+  std::array<ScriptStep, 64> steps{};
   std::size_t count = 0;
 };
 
@@ -49,6 +53,8 @@ struct ScriptOptions {
   std::uint16_t rpdo_deadline_ms = 20;
   std::uint16_t controller_heartbeat_ms = 250;  ///< the drive reacts after so long without ours
   std::uint16_t drive_heartbeat_ms = 100;
+  DriveMode mode = DriveMode::kCyclicPosition;
+  std::uint8_t homing_method = 0;               ///< 0: none
 };
 
 NodeScript make_node_script(const ScriptOptions& options);

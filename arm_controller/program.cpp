@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "arm_controller/emulated_bus.hpp"
+#include "arm_controller/last_position.hpp"
 #include "arm_controller/real_time.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "arm_controller/state_folder.hpp"
@@ -62,6 +63,7 @@ std::unique_ptr<CanBus> make_bus(const Flags& flags, net::Clock& clock) {
 Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), robot_(load(flags)) {
   state_folder_ = hold_state_folder(flags.state);
   start_ = load_model_in_force(flags.state, robot_);
+  start_.last_seen_rad = load_last_position(flags.state, robot_);
   clock_ = make_clock(flags, robot_);
   bus_ = make_bus(flags, *clock_);
   const bool is_emulated = flags.can.empty();

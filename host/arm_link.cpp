@@ -85,6 +85,8 @@ void ArmLink::take(const wire::Envelope& message, Time arrival) {
     case wire::Envelope::kFilterReport: filter_reports_.push_back(message.filter_report()); break;
     case wire::Envelope::kFaultReport: fault_ = message.fault_report(); break;
     case wire::Envelope::kStatistics: statistics_ = message.statistics(); break;
+    case wire::Envelope::kStopReport: stop_ = message.stop_report(); break;
+    case wire::Envelope::kBlackBoxChunk: chunk_ = message.black_box_chunk(); break;
     default: break;  // a newer controller may tell more than we know
   }
   while (outcomes_.size() > kKeptOutcomes) outcomes_.erase(outcomes_.begin());

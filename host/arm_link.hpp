@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "host/clock_alignment.hpp"
 #include "protocol/arm_link.pb.h"
@@ -60,6 +61,10 @@ class ArmLink {
   const std::optional<wire::GoalStatus>& goal_status() const { return goal_status_; }
   const std::optional<wire::FaultReport>& fault() const { return fault_; }
   const std::optional<wire::ControllerStatistics>& statistics() const { return statistics_; }
+  /// The last stop that needed no clearing.
+  const std::optional<wire::StopReport>& last_stop() const { return stop_; }
+  /// The next piece of a black box not taken yet.
+  std::optional<wire::BlackBoxChunk> take_black_box_chunk() { return std::exchange(chunk_, std::nullopt); }
   /// The next filter report not taken yet.
   std::optional<wire::FilterReport> take_filter_report();
   /// Mean of the readings sampled in [from, to] of the arm's clock; nullopt where there is none.
@@ -91,6 +96,8 @@ class ArmLink {
   std::optional<wire::GoalStatus> goal_status_;
   std::optional<wire::FaultReport> fault_;
   std::optional<wire::ControllerStatistics> statistics_;
+  std::optional<wire::StopReport> stop_;
+  std::optional<wire::BlackBoxChunk> chunk_;
   std::deque<wire::FilterReport> filter_reports_;
 };
 

@@ -6,7 +6,7 @@
 
 namespace armsight::host {
 
-enum class Verb { kCalibrate, kAdapt, kGrasp, kMove, kHand, kStatus, kStop, kPrintMarker, kRobotImport };
+enum class Verb { kCalibrate, kAdapt, kGrasp, kMove, kHand, kStatus, kStop, kBlackBox, kPrintMarker, kRobotImport };
 
 struct CommandLine {
   Verb verb = Verb::kStatus;

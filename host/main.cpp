@@ -48,6 +48,8 @@ void add_acting(CLI::App& app, CommandLine& line) {
   hand->add_option("what", line.hand, "open | close")->required()->check(CLI::IsMember({"open", "close"}));
   hand->add_option("--force", line.force_permille, "grip limit in per mille of the rated force")->check(CLI::Range(1.0, 1000.0));
   add_verb(app, line, "status", "tell mode, joints, model, faults and statistics", Verb::kStatus);
+  CLI::App* box = add_verb(app, line, "blackbox", "fetch the newest black box: the cycles before the last fault", Verb::kBlackBox);
+  box->add_option("--out", line.out, "FILE.mcap to write")->required();
   add_verb(app, line, "stop", "stop the arm and hold; works whoever commands it", Verb::kStop);
 }
 

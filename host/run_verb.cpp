@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kSimClock = "sim:";
 
 bool needs_camera(Verb verb) { return verb == Verb::kCalibrate || verb == Verb::kAdapt || verb == Verb::kGrasp; }
-bool needs_command(Verb verb) { return verb != Verb::kStatus && verb != Verb::kStop; }
+bool needs_command(Verb verb) { return verb != Verb::kStatus && verb != Verb::kStop && verb != Verb::kBlackBox; }
 
 HostIoOptions io_options(const CommandLine& line) {
   HostIoOptions options;
@@ -123,6 +123,7 @@ void run_online(const CommandLine& line) {
     case Verb::kHand: run_hand(io, line.hand == "close" ? 1.0 : 0.0, line.force_permille, std::cout); break;
     case Verb::kStatus: run_status(io, std::cout); break;
     case Verb::kStop: run_stop(io, std::cout); break;
+    case Verb::kBlackBox: run_black_box(io, line.out, std::cout); break;
     default: break;
   }
 }

@@ -5,6 +5,7 @@
 #include "host/json_out.hpp"
 #include "host/motion.hpp"
 #include "host/text.hpp"
+#include "protocol/atomic_file.hpp"
 
 namespace armsight::host {
 namespace {
@@ -69,8 +70,30 @@ void run_status(HostIo& io, std::ostream& out) {
   if (const auto& s = arm.statistics()) {
     out << "cycles:     " << s->cycles() << ", " << s->missed() << " missed, tick " << fixed(s->tick_us_p50(), 1) << " us (p99.9 "
         << fixed(s->tick_us_p999(), 1) << " us), " << s->protocol_errors() << " protocol errors\n";
+    for (const std::string& line : s->degraded()) out << "degraded:   " << line << "\n";
   }
   out << std::flush;
+}
+
+void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out) {
+  std::string bytes, name;
+  while (true) {
+    wire::Envelope request;
+    request.mutable_black_box_request()->set_offset(bytes.size());
+    io.arm().send(std::move(request));
+    std::optional<wire::BlackBoxChunk> chunk;
+    if (!io.wait_until([&] { return (chunk = io.arm().take_black_box_chunk()).has_value(); }, kStatisticsTimeout))
+      throw CommandFailed("blackbox: no answer; the controller may be older than this host");
+    if (chunk->name().empty()) throw CommandFailed("blackbox: there is none: no fault since the controller started");
+    const bool is_next = chunk->offset() == bytes.size() && !chunk->data().empty() && (name.empty() || name == chunk->name());
+    if (!is_next) throw CommandFailed("blackbox: another fault came while it was fetched; fetch again");
+    name = chunk->name();
+    bytes += chunk->data();
+    if (bytes.size() >= chunk->total_bytes()) break;
+  }
+  write_file_atomically(file, bytes);
+  out << "black box: " << name << ", " << bytes.size() << " bytes, in " << file.string() << "\n"
+      << "           go through it again: link_replay " << file.string() << std::endl;
 }
 
 void run_stop(HostIo& io, std::ostream& out) {

@@ -1,6 +1,7 @@
 // The small verbs: move, hand, status, stop. Each a plain function over an open HostIo.
 #pragma once
 
+#include <filesystem>
 #include <iosfwd>
 #include <optional>
 
@@ -16,6 +17,8 @@ void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const 
 void run_hand(HostIo& io, double closure, double force_permille, std::ostream& progress);
 /// Mode, joints, model, faults, statistics; needs no lease.
 void run_status(HostIo& io, std::ostream& out);
+/// The controller's newest black box into a file; needs no lease. Throws CommandFailed where there is none.
+void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out);
 /// Needs no lease.
 void run_stop(HostIo& io, std::ostream& out);
 

@@ -43,6 +43,15 @@ std::uint8_t read_node(const YamlValue& node, std::set<std::int64_t>& taken) {
   return static_cast<std::uint8_t>(id.value_or(0));
 }
 
+/// `second` beside cyclic position; csp is the default.
+DriveMode read_mode(const YamlValue& mode, const char* name, DriveMode second) {
+  if (!mode.exists()) return DriveMode::kCyclicPosition;
+  const std::string text = mode.text();
+  if (text == name) return second;
+  if (text != "csp") mode.refuse(std::string("must be csp or ") + name);
+  return DriveMode::kCyclicPosition;
+}
+
 /// farthest_rad: of the joint's limits. Set-points and samples travel as 32-bit counts.
 DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes, double farthest_rad) {
   DriveConfig out;
@@ -53,6 +62,10 @@ DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes, do
   out.sign = static_cast<int>(sign.integer(-1, 1));
   if (out.sign == 0) sign.refuse("must be 1 or -1");
   out.zero_rad = drive.key("zero_rad").number(-2 * kPi, 2 * kPi);
+  out.mode = read_mode(drive.optional_key("mode"), "csv", DriveMode::kCyclicVelocity);
+  const YamlValue homing = drive.optional_key("homing_method");
+  if (homing.exists()) out.homing_method = static_cast<std::uint8_t>(homing.integer(35, 37));
+  if (out.homing_method == 36) homing.refuse("must be 35 or 37");
   const double most_counts = (farthest_rad + std::abs(out.zero_rad)) * out.counts_per_turn / (2 * kPi);
   if (most_counts >= 2147483648.0) counts.refuse("limits and zero_rad are beyond 32-bit counts");
   return out;
@@ -96,6 +109,7 @@ HandConfig read_hand(const YamlValue& hand, std::set<std::int64_t>& nodes) {
   const YamlValue closed = hand.key("closed_counts");
   out.closed_counts = static_cast<int>(closed.integer(-2147483647, 2147483647));
   if (closed.exists() && out.closed_counts == out.open_counts) closed.refuse("must differ from open_counts");
+  out.mode = read_mode(hand.optional_key("mode"), "profile_position", DriveMode::kProfilePosition);
   return out;
 }
 

@@ -16,18 +16,24 @@
 
 namespace armsight {
 
+/// Mode of operation of a drive: the numbers of CiA 402's 0x6060.
+enum class DriveMode : std::uint8_t { kProfilePosition = 1, kHoming = 6, kCyclicPosition = 8, kCyclicVelocity = 9 };
+
 /// q = sign · 2π · counts / counts_per_turn + zero_rad.
 struct DriveConfig {
   std::uint8_t node = 0;
   double counts_per_turn = 0;
   int sign = 1;
   double zero_rad = 0.0;
+  DriveMode mode = DriveMode::kCyclicPosition;  ///< or kCyclicVelocity: 0x60FF, counts/s
+  std::uint8_t homing_method = 0;               ///< 35 or 37: "here is zero", before each first enabling; 0: absolute encoder
 };
 
 struct HandConfig {
   std::uint8_t node = 0;
   int open_counts = 0;
   int closed_counts = 0;
+  DriveMode mode = DriveMode::kCyclicPosition;  ///< or kProfilePosition: the drive leads the fingers by itself
 };
 
 struct MarkerConfig {

@@ -1,11 +1,15 @@
 // link_replay: the hosts of a recording once more, against a fresh simulated arm in lockstep; compares what the
 // controller answers. Each recorded connection is a process of its own, as its host was: another participant of the
-// clock. Exit codes: 0 same, 1 different, 2 bad flag or file, or a run that cannot be repeated here, 3 peer lost.
+// clock. A black box is another matter: the executable that wrote it goes through it again (arm_controller --replay), alone.
+// Exit codes: 0 same, 1 different, 2 bad flag or file, or a run that cannot be repeated here, 3 peer lost.
 #include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "tools/command_line.hpp"
 #include "tools/replay/link_player.hpp"
@@ -23,7 +27,7 @@ constexpr Duration kPeriod = std::chrono::milliseconds(4);
 constexpr int kRoleHost = 2;
 
 struct Flags {
-  std::string file, arm, clock;
+  std::string file, arm, clock, controller;
   int connection = 0;                      ///< from 1; 0: all of them
 };
 
@@ -109,6 +113,23 @@ void print(const std::vector<std::string>& lines, int code) {
   if (code == 1 && first != nullptr) std::printf("%s: different, first: %s\n", kName, first->c_str());
 }
 
+bool is_black_box(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw RecordingError(file + ": cannot be read");
+  RecordingReader reader(in);
+  RecordedMessage message;
+  return reader.next(message) && message.topic == "/info" && reader.next(message) && message.topic == "/state";
+}
+
+/// Becomes the controller; comes back only where there is none.
+int go_through_black_box(const Flags& flags) {
+  std::string program = flags.controller;
+  if (program.empty()) program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "arm_controller").string();
+  std::fflush(nullptr);
+  execl(program.c_str(), program.c_str(), "--replay", flags.file.c_str(), static_cast<char*>(nullptr));
+  return fail(2, "--controller " + program + ": cannot be started; it must be the executable that wrote the black box");
+}
+
 int run(const Flags& flags) {
   const replay::LinkFile file = replay::load_link_file(flags.file);
   const bool is_alone = flags.connection != 0;
@@ -139,17 +160,21 @@ int main(int argc, char** argv) {
       "Sends a recording's messages to a fresh arm_controller on a simulated arm and compares its answers.", kName);
   Flags flags;
   line.add("FILE", flags.file,
-           "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's")
+           "recording with /link messages: STATE/ticks.mcap of arm_controller, or link_record's; or a black box")
       .required();
-  line.add("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller").required();
+  line.add("--arm", flags.arm, "ADDR:PORT of the fresh arm_controller; a black box needs none");
+  line.add("--controller", flags.controller,
+           "black box: the arm_controller that wrote it; default: the one beside this program");
   line.add("--clock", flags.clock,
            "sim:PATH of its arm_sim, in lockstep, same seed; recordings never drive a real arm");
   line.add("--connection", flags.connection, "this one of the recorded connections only, from 1").positive();
   if (const auto code = line.parse(argc, argv)) return *code;
-  if (!flags.clock.starts_with("sim:"))
-    return fail(2, "--clock sim:PATH is needed: recordings are sent to a simulated arm only, never to a real one");
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   try {
+    if (is_black_box(flags.file)) return go_through_black_box(flags);
+    if (!flags.clock.starts_with("sim:"))
+      return fail(2, "--clock sim:PATH is needed: recordings are sent to a simulated arm only, never to a real one");
+    if (flags.arm.empty()) return fail(2, "--arm ADDR:PORT is needed: the recording is sent to a fresh arm_controller");
     return run(flags);
   } catch (const RecordingError& error) {
     return fail(2, error.what());

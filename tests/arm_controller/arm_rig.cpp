@@ -22,8 +22,12 @@ void ArmRig::cycle() {
   while (mailboxes.events.pop(event)) events.push_back(event);
   while (tape.events.pop(event)) {
   }
+  tape.checkpoints.take([this](std::uint64_t done, std::span<const std::byte> bytes) { box.keep_checkpoint(done, bytes); });
   TickRecord record;
+  OrdersRecord orders;
   while (tape.ticks.pop(record)) {
+    while (tape.orders.pop(orders)) box.keep(orders);
+    box.keep(record);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "arm_controller/black_box.hpp"
 #include "arm_controller/control_loop.hpp"
 #include "protocol/config.hpp"
 #include "tests/arm_controller/fake_drives.hpp"
@@ -53,6 +54,7 @@ class ArmRig {
   FakeBus bus;
   Mailboxes mailboxes;
   Tape tape;
+  BlackBox box;
   LoopStatistics statistics;
   std::unique_ptr<ControlLoop> loop;
   Time now = time_from_ns(1'000'000'000);

@@ -67,11 +67,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Refusal{"Absent", [](FakeDrive& d) { d.is_silent = true; }, FaultCode::kNodeAbsent},
         Refusal{"NotADrive", [](FakeDrive& d) { d.stuck[0x100000] = 0x191; }, FaultCode::kWrongIdentity},
-        Refusal{"NoCsp", [](FakeDrive& d) { d.stuck[0x650200] = 0x01; }, FaultCode::kWrongIdentity},
+        Refusal{"NoCsp", [](FakeDrive& d) { d.stuck[0x650200] = 0x121; }, FaultCode::kWrongIdentity},
         Refusal{"OtherEncoder", [](FakeDrive& d) { d.stuck[0x608F01] = 4096; }, FaultCode::kWrongIdentity},
         Refusal{"ModeNotTaken", [](FakeDrive& d) { d.stuck[0x606000] = 1; }, FaultCode::kReadBackDiffers},
-        Refusal{"NoSupervision", [](FakeDrive& d) { d.missing.insert(0x101601); }, FaultCode::kSdoAborted},
-        Refusal{"AbortOptionIgnored", [](FakeDrive& d) { d.stuck[0x600700] = 0; }, FaultCode::kReadBackDiffers},
+        Refusal{"NoSupervision", [](FakeDrive& d) { d.missing = {0x101601, 0x140005}; }, FaultCode::kNoSupervision},
+        Refusal{"NoMapping", [](FakeDrive& d) { d.missing.insert(0x1A0001); }, FaultCode::kSdoAborted},
+        Refusal{"MappingIgnored", [](FakeDrive& d) { d.stuck[0x160002] = 0x60FF0020; }, FaultCode::kReadBackDiffers},
         Refusal{"NoFeedback", [](FakeDrive& d) { d.sends_feedback = false; }, FaultCode::kFeedbackMissing}),
     [](const auto& one) { return one.param.name; });
 
@@ -149,6 +150,7 @@ TEST(Supervision, BridgesTwoMissingSamplesAndStopsAtTheThird) {
   rig.cycles(1);
   EXPECT_EQ(rig.state.mode, Mode::kFault);
   EXPECT_EQ(rig.state.fault.code, FaultCode::kFeedbackMissing);
+  EXPECT_EQ(fault_text(rig.state.fault), "node 2: third TPDO1 in a row missing, last seen 12.0 ms ago");
   rig.cycles(3);
   EXPECT_EQ(rig.bus.drive(1).state, DriveState::kQuickStopActive);  // the others stop together, powered
 }
@@ -191,6 +193,29 @@ TEST(Supervision, SetPointsThatFindNoRoomAreDroppedAndNamed) {
   rig.cycles(5);
   EXPECT_EQ(rig.state.mode, Mode::kFault);
   EXPECT_EQ(rig.state.fault.code, FaultCode::kSendFailed);
+}
+
+TEST(Supervision, ADriveFaultIsToldWithStateCodeAndRegister) {
+  ArmRig rig;
+  ASSERT_TRUE(rig.power_up());
+  rig.bus.drive(1).fail(0x2310);
+  rig.bus.inject(encode(Emcy{0x2310, 0x03}, 1));
+  ASSERT_TRUE(rig.bring_to(Mode::kFault, 10));
+  EXPECT_EQ(fault_text(rig.state.fault),
+            "node 1: drive fault, fault (statusword 0x0008), last emergency 0x2310: over-current (error register: generic, current)");
+  EXPECT_STREQ(fault_side(rig.state.fault.code), "drive");
+}
+
+TEST(Supervision, AnEmergencyStormStopsTheArmAndOneEmergencyDoesNot) {
+  ArmRig rig;
+  ASSERT_TRUE(rig.power_up());
+  rig.bus.inject(encode(Emcy{0x8140, 0x11}, 3));
+  rig.cycles(20);
+  EXPECT_EQ(rig.state.mode, Mode::kHold);
+  for (int i = 0; i < 50; ++i) rig.bus.inject(encode(Emcy{0x4310, 0x09}, 3));
+  rig.cycles(1);
+  EXPECT_EQ(rig.state.fault.code, FaultCode::kEmergencyStorm);
+  EXPECT_EQ(rig.state.fault.node, 3);
 }
 
 TEST(Supervision, ALostBusIsAFault) {

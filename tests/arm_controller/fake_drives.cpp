@@ -13,7 +13,7 @@ constexpr int kSyncsPerHeartbeat = 25;
 }  // namespace
 
 FakeDrive::FakeDrive(std::uint8_t node, double counts_per_turn) : node_(node) {
-  objects_ = {{key(0x1000, 0), 0x00020192}, {key(0x6502, 0), 0x80},
+  objects_ = {{key(0x1000, 0), 0x00020192}, {key(0x6502, 0), 0x1A1},
               {key(0x608F, 1), static_cast<std::uint32_t>(counts_per_turn)}, {key(0x608F, 2), 1},
               {key(0x6091, 1), 1}, {key(0x6091, 2), 1}, {key(0x6076, 0), 6000}};
 }
@@ -31,7 +31,9 @@ void FakeDrive::boot(std::vector<CanFrame>& answers) {
 void FakeDrive::fail(std::uint16_t) { state = DriveState::kFault; }
 
 std::uint16_t FakeDrive::statusword() const {
-  const std::uint16_t follows = heeds_target ? 1u << 12 : 0;
+  std::uint16_t follows = heeds_target ? 1u << 12 : 0;
+  if (object(0x6060, 0) == 1) follows = (controlword & 0x10) != 0 ? 1u << 12 : 0;       // set-point acknowledged
+  if (object(0x6060, 0) == 6) follows = is_homed && ends_homing ? 1u << 12 | 1u << 10 : 0;  // attained, reached
   switch (state) {
     case DriveState::kSwitchOnDisabled: return 0x40;
     case DriveState::kReadyToSwitchOn: return 0x21;
@@ -70,6 +72,7 @@ void FakeDrive::take_sdo(const CanFrame& frame, std::vector<CanFrame>& answers) 
     std::snprintf(text, sizeof text, "r %04X:%d", read->object.index, read->object.sub);
     log.push_back(text);
     if (missing.count(k)) return abort(read->object, 0x06020000);
+    if (k == key(0x6061, 0)) objects_[k] = objects_[key(0x6060, 0)];
     answers.push_back(encode(SdoReadAnswer{read->object, stuck.count(k) ? stuck[k] : objects_[k], 4}, node_));
   } else if (const auto write = decode_sdo_write(frame, node_)) {
     const std::uint32_t k = key(write->object.index, write->object.sub);
@@ -117,7 +120,22 @@ void FakeDrive::step_state() {
 }
 
 void FakeDrive::move() {
+  const bool bit_4_rose = (controlword & 0x10) != 0 && !bit_4_was_up_;
+  bit_4_was_up_ = (controlword & 0x10) != 0;
   if (state != DriveState::kOperationEnabled) return;
+  if (object(0x6060, 0) == 9) {
+    position_counts += target_counts * 0.004;
+    return;
+  }
+  if (object(0x6060, 0) == 6) {
+    if (bit_4_rose) position_counts = 0.0, is_homed = true;
+    return;
+  }
+  if (object(0x6060, 0) == 1) {
+    if (bit_4_rose) profile_targets.push_back(target_counts);
+    if (!profile_targets.empty()) position_counts += std::clamp(profile_targets.back() - position_counts, -200.0, 200.0);
+    return;
+  }
   position_counts += follow_per_cycle * (target_counts + residual_counts - position_counts);
   if (wall_counts) position_counts = std::min(position_counts, *wall_counts);
 }

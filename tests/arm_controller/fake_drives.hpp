@@ -30,6 +30,7 @@ class FakeDrive {
   std::map<std::uint32_t, std::uint32_t> stuck;   ///< object → value that it reads as, whatever was written
   double residual_counts = 0.0;                   ///< stands so far beside its target
   double follow_per_cycle = 0.5;                  ///< share of the way it goes in a cycle
+  bool ends_homing = true;                        ///< else "attained" never comes
   std::optional<double> wall_counts;              ///< cannot pass this position (fingers on an object)
 
   void fail(std::uint16_t emergency);
@@ -46,6 +47,8 @@ class FakeDrive {
   std::uint16_t controlword = 0;
   NmtState nmt = NmtState::kPreOperational;
   DriveState state = DriveState::kSwitchOnDisabled;
+  bool is_homed = false;
+  std::vector<std::int32_t> profile_targets;      ///< taken with bit 4 rising
   std::vector<std::uint16_t> controlwords;        ///< each change
   std::vector<std::string> log;                   ///< "w 6060:0 8", "r 6060:0", "nmt 1"
 
@@ -57,6 +60,7 @@ class FakeDrive {
   std::uint8_t node_;
   std::map<std::uint32_t, std::uint32_t> objects_;
   int syncs_ = 0;
+  bool bit_4_was_up_ = false;
   std::uint16_t previous_controlword_ = 0;
 };
 
@@ -71,6 +75,7 @@ class FakeBus final : public CanBus {
 
   FakeDrive& drive(int node) { return drives_[static_cast<std::size_t>(node - 1)]; }
   std::vector<FakeDrive>& drives() { return drives_; }
+  void inject(const CanFrame& frame) { queue(frame); }  ///< as if a node had sent it
 
   Time now;
   BusErrors errors;

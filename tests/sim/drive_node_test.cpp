@@ -16,6 +16,8 @@ TEST(DriveStates, FollowTheControlwordFromEveryState) {
     DriveState shutdown, switch_on, enable, quick_stop, disable;
   };
   const Row table[] = {
+      {kNotReady, kNotReady, kNotReady, kNotReady, kNotReady, kNotReady},
+      {kFaultReaction, kFaultReaction, kFaultReaction, kFaultReaction, kFaultReaction, kFaultReaction},
       {kSwitchOnDisabled, kReadyToSwitchOn, kSwitchOnDisabled, kSwitchOnDisabled, kSwitchOnDisabled, kSwitchOnDisabled},
       {kReadyToSwitchOn, kReadyToSwitchOn, kSwitchedOn, kSwitchedOn, kSwitchOnDisabled, kSwitchOnDisabled},
       {kSwitchedOn, kReadyToSwitchOn, kSwitchedOn, kOperationEnabled, kSwitchOnDisabled, kSwitchOnDisabled},
@@ -30,9 +32,11 @@ TEST(DriveStates, FollowTheControlwordFromEveryState) {
     EXPECT_EQ(next_drive_state(row.from, kDisableVoltage, 6, false), row.disable) << to_text(row.from);
     EXPECT_EQ(drive_state(state_bits(row.from)), row.from) << "statusword says what it is";
   }
-  EXPECT_EQ(next_drive_state(kQuickStopActive, kEnableOperation, 2, false), kQuickStopActive)
-      << "option 2: no way back";
-  EXPECT_EQ(next_drive_state(kFault, kFaultReset, 6, true), kSwitchOnDisabled);
+  EXPECT_EQ(next_drive_state(kQuickStopActive, kEnableOperation, 2, false), kQuickStopActive) << "option 2: no way back";
+  for (const DriveState state : {kNotReady, kSwitchOnDisabled, kReadyToSwitchOn, kSwitchedOn, kOperationEnabled, kQuickStopActive, kFaultReaction, kFault})
+    EXPECT_EQ(next_drive_state(state, kFaultReset, 6, true),
+              state == kNotReady || state == kFaultReaction ? state : kSwitchOnDisabled)
+        << to_text(state) << ": 0x80 resets a fault; elsewhere its low bits disable the voltage";
 }
 
 struct Drive : ::testing::Test {
@@ -141,6 +145,52 @@ TEST_F(Drive, LeavingOperationalStopsItAndResetStartsAnew) {
   bench.send(encode(Nmt{NmtCommand::kResetNode, 3}));
   EXPECT_EQ(bench.sent.front(), (CanFrame{0x703, 1, {0x00}}));
   EXPECT_EQ(bench.read(0x1600, 0), 0u) << "nothing configured any more";
+}
+
+TEST_F(Drive, InCyclicVelocityMovesByTheSpeedTold) {
+  bench.send(encode(Nmt{NmtCommand::kPreOperational, 3}));
+  bench.write(0x1400, 1, 0x80000203, 4);
+  bench.write(0x1600, 0, 0, 1);
+  EXPECT_EQ(bench.write(0x1600, 2, 0x60FF0020, 4), 0u);
+  bench.write(0x1600, 0, 3, 1);
+  bench.write(0x1400, 1, 0x203, 4);
+  EXPECT_EQ(bench.write(0x6060, 0, 9, 1), 0u);
+  bench.start();
+  for (const std::uint16_t cw : {kShutdown, kSwitchOn, kEnableOperation}) bench.cycle(cw, 0);
+  EXPECT_EQ(bench.motor.target, 1000);
+  for (int i = 0; i < 10; ++i) bench.cycle(kEnableOperation, 2500);
+  EXPECT_NEAR(bench.motor.target, 1100, 11) << "ten cycles of 4 ms at 2500 counts/s";
+  EXPECT_NE(bench.cycle(kEnableOperation, 0)->statusword & 0x1000, 0);
+}
+
+TEST_F(Drive, InProfilePositionTakesATargetWhenBit4RisesAndAcknowledges) {
+  bench.write(0x6060, 0, 1, 1);
+  bench.write(0x6081, 0, 50'000, 4);
+  bench.enable();
+  bench.cycle(kEnableOperation, 1400);
+  EXPECT_EQ(bench.motor.target, 1000) << "not without the edge";
+  bench.cycle(kEnableOperation | 0x30, 1400);
+  EXPECT_NE(bench.cycle(kEnableOperation | 0x30, 1700)->statusword & 0x1000, 0) << "acknowledged";
+  EXPECT_EQ(bench.cycle(kEnableOperation | 0x20, 1700)->statusword & 0x1000, 0x1000) << "the sample before it acts";
+  EXPECT_EQ(bench.cycle(kEnableOperation | 0x20, 1700)->statusword & 0x1000, 0);
+  for (int i = 0; i < 10; ++i) bench.cycle(kEnableOperation, 1700);
+  EXPECT_EQ(bench.motor.target, 1400);
+}
+
+TEST_F(Drive, HomesWhereItStandsWithoutMoving) {
+  for (const std::uint32_t method : {35u, 37u}) {
+    bench.write(0x6098, 0, method, 1);
+    bench.write(0x607C, 0, 50, 4);
+    bench.write(0x6060, 0, 6, 1);
+    bench.enable();
+    bench.cycle(kEnableOperation | 0x10, 0);
+    const auto homed = bench.cycle(kEnableOperation | 0x10, 0);
+    EXPECT_EQ(homed->position_counts, 50);
+    EXPECT_EQ(homed->statusword & 0x3400, 0x1400) << "attained and reached, no error";
+    EXPECT_EQ(bench.motor.target, 1000) << "the motor stands";
+    bench.cycle(kShutdown, 0);
+  }
+  EXPECT_EQ(bench.write(0x6098, 0, 33, 1), kBadValue);
 }
 
 TEST_F(Drive, ProducesItsHeartbeat) {

@@ -1,4 +1,5 @@
-// A simulated CiA 402 drive in cyclic synchronous position: the power state machine in front of a Motor.
+// A simulated CiA 402 drive: the power state machine in front of a Motor. Modes: cyclic synchronous position and velocity,
+// profile position, and homing where it stands (methods 35, 37).
 //
 //   switch-on disabled ─06► ready ─07► switched on ─0F► operation enabled ─02 or lost─► quick stop active (holds)
 //          ▲ 00 from anywhere              fault ◄── following error ──┘      ▲──────0F, only after a release──┘
@@ -38,6 +39,9 @@ class DriveNode : public CanopenDevice {
   void on_sync(Time now) override;
 
   void add_drive_objects();
+  std::int32_t position();
+  void act_on_bit_4(std::uint16_t controlword);
+  void lead_target(Time now);
   void drive_motor();
   void fault(std::uint16_t code, Time now);
   std::uint16_t statusword() const;
@@ -48,6 +52,11 @@ class DriveNode : public CanopenDevice {
   std::uint16_t last_controlword_ = 0;
   bool must_release_ = false;  ///< stopped by itself: "enable operation" counts only after another command
   std::int32_t sampled_counts_ = 0;
+  std::int32_t zero_ = 0;                ///< reported = motor + zero_; set by homing
+  std::int32_t target_ = 0, profile_target_ = 0;
+  double led_ = 0.0;                     ///< target_ with its fraction
+  Time last_act_{};
+  bool bit_4_was_up_ = false, is_acknowledged_ = false, is_homed_ = false;
 };
 
 }  // namespace armsight::sim

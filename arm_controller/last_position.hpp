@@ -1,0 +1,17 @@
+// STATE/position.txt: where the joints were last seen, so that an encoder that lost a turn over a power-down is noticed.
+// Readings in rad, with the model hash of the robot file they belong to.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "protocol/config.hpp"
+
+namespace armsight::arm {
+
+/// nullopt: no file, a damaged one, or another robot's; the self-check then says that nothing can be compared.
+std::optional<JointVector> load_last_position(const std::filesystem::path& folder, const RobotConfig& robot);
+/// Atomic. Throws std::runtime_error.
+void save_last_position(const std::filesystem::path& folder, const RobotConfig& robot, const JointVector& q_reading_rad);
+
+}  // namespace armsight::arm

@@ -1,0 +1,132 @@
+// A black box holds two thousand cycles and more, goes through again bit by bit in the executable that wrote it, and
+// reports one flipped bit of an input.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "arm_controller/black_box_replay.hpp"
+#include "protocol/recording.hpp"
+#include "tests/arm_controller/arm_rig.hpp"
+
+namespace armsight::arm::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class BlackBoxFile : public ::testing::Test {
+ protected:
+  ~BlackBoxFile() override { fs::remove_all(folder_); }
+
+  /// A move, a look-alike of a life, and a node that falls silent.
+  void live(int cycles) {
+    ASSERT_TRUE(rig_.power_up());
+    JointVector goal(5);
+    goal << 0.6, 0.2, -0.3, 1.2, 0.3;
+    rig_.mailboxes.goal.put(rig_.joint_goal(1, goal));
+    rig_.mailboxes.hand.put({{7, 2}, 0.7, 400});
+    rig_.cycles(cycles);
+    goal[0] = -0.3;
+    rig_.mailboxes.goal.put(rig_.joint_goal(3, goal));
+    rig_.cycles(100);
+    rig_.bus.drive(2).is_silent = true;
+    ASSERT_TRUE(rig_.bring_to(Mode::kFault, 10));
+    wire::RecordingInfo info;
+    std::ifstream robot(kRobotFile);
+    std::stringstream text;
+    text << robot.rdbuf();
+    info.set_configuration(text.str());
+    rig_.box.write(file_, info);
+  }
+
+  /// The same file with one message changed.
+  template <typename Edit>
+  fs::path edited(const Edit& edit) {
+    const fs::path out_file = folder_ / "edited.mcap";
+    std::ifstream in(file_, std::ios::binary);
+    std::ofstream out(out_file, std::ios::binary);
+    RecordingReader reader(in);
+    RecordingWriter writer(out);
+    std::map<std::string, ChannelId> channels;
+    RecordedMessage message;
+    while (reader.next(message)) {
+      if (!channels.count(message.topic)) channels[message.topic] = writer.add_channel(message.topic, message.message_type);
+      edit(message);
+      writer.write(channels[message.topic], message.time, message.data);
+    }
+    return out_file;
+  }
+
+  /// Flips one bit of the nth frame that was received with this identifier.
+  fs::path with_flipped_frame(std::uint32_t id, int nth, std::size_t byte, char bit) {
+    int seen = 0;
+    return edited([&](RecordedMessage& message) {
+      wire::CanRecord frame;
+      if (message.topic != "/can" || !frame.ParseFromString(message.data)) return;
+      if (frame.id() != id || frame.is_sent() || frame.is_own_echo() || ++seen != nth) return;
+      (*frame.mutable_data())[byte] = static_cast<char>(frame.data()[byte] ^ bit);
+      message.data = frame.SerializeAsString();
+    });
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / ("armsight-blackbox-" + std::to_string(getpid()));
+  fs::path file_ = (fs::create_directories(folder_), folder_ / "box.mcap");
+  ArmRig rig_;
+};
+
+TEST_F(BlackBoxFile, GoesThroughAgainBitByBit) {
+  live(4000);
+  const BlackBoxResult result = replay_black_box(file_);
+  EXPECT_FALSE(result.difference) << *result.difference;
+  EXPECT_GE(result.cycles, kKeptTicks);
+  EXPECT_LE(result.cycles, kKeptTicks + kCheckpointEvery);
+  EXPECT_GT(result.frames_compared, 7 * result.cycles);
+}
+
+TEST_F(BlackBoxFile, OfAShortLifeBeginsWithTheFirstCycle) {
+  live(300);
+  const BlackBoxResult result = replay_black_box(file_);
+  EXPECT_FALSE(result.difference) << *result.difference;
+  EXPECT_GT(result.cycles, 400u);
+}
+
+TEST_F(BlackBoxFile, ReportsOneFlippedBitOfAPosition) {
+  live(4000);
+  const BlackBoxResult result = replay_black_box(with_flipped_frame(0x183, 900, 2, 0x01));
+  ASSERT_TRUE(result.difference);
+  EXPECT_TRUE(result.difference->starts_with("cycle ")) << *result.difference;
+}
+
+TEST_F(BlackBoxFile, ReportsOneFlippedBitOfAStatusword) {
+  live(4000);
+  const BlackBoxResult result = replay_black_box(with_flipped_frame(0x185, 700, 0, 0x08));
+  ASSERT_TRUE(result.difference);
+  EXPECT_NE(result.difference->find("recorded"), std::string::npos) << *result.difference;
+}
+
+TEST_F(BlackBoxFile, ReportsAMessageThatWasChanged) {
+  live(1500);
+  const std::uint64_t while_moving = rig_.statistics.cycles.load() - 60;
+  const fs::path changed = edited([&](RecordedMessage& message) {
+    wire::CycleInput input;
+    if (message.topic != "/input" || !input.ParseFromString(message.data) || input.cycle() != while_moving) return;
+    input.set_stop(true);
+    message.data = input.SerializeAsString();
+  });
+  ASSERT_TRUE(replay_black_box(changed).difference);
+}
+
+TEST_F(BlackBoxFile, OfAnotherExecutableIsRefused) {
+  live(300);
+  const fs::path changed = edited([](RecordedMessage& message) {
+    wire::CheckpointRecord checkpoint;
+    if (message.topic != "/state" || !checkpoint.ParseFromString(message.data)) return;
+    checkpoint.set_build_id("00");
+    message.data = checkpoint.SerializeAsString();
+  });
+  EXPECT_THROW(replay_black_box(changed), NotReplayable);
+}
+
+}  // namespace
+}  // namespace armsight::arm::test
