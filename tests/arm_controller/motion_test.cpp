@@ -16,7 +16,7 @@ using armsight::test::random_between;
 using armsight::test::SetpointJudge;
 
 const JointVector kStart = joints({0.1, 0.1, -0.2, 0.9, 0.1});
-const JointVector kGoal = joints({0.5, -0.3, -0.4, 1.2, -0.3});
+const JointVector kMotionGoal = joints({0.5, -0.3, -0.4, 1.2, -0.3});
 
 class MotionTest : public testing::Test {
  protected:
@@ -64,9 +64,9 @@ class MotionTest : public testing::Test {
 };
 
 TEST_F(MotionTest, AJointGoalIsMetByTheEncodersThoughTheDrivesAreOff) {
-  motion.start(goal_at(kGoal, GoalKind::kJoints), model);
+  motion.start(goal_at(kMotionGoal, GoalKind::kJoints), model);
   ASSERT_EQ(run(), Progress::kArrived);
-  EXPECT_LT((reading - kGoal).cwiseAbs().maxCoeff(), 5e-4);
+  EXPECT_LT((reading - kMotionGoal).cwiseAbs().maxCoeff(), 5e-4);
   motion.start(goal_at(kStart, GoalKind::kJoints), model);
   ASSERT_EQ(run(), Progress::kArrived);
   EXPECT_LT((reading - kStart).cwiseAbs().maxCoeff(), 5e-4);
@@ -74,14 +74,14 @@ TEST_F(MotionTest, AJointGoalIsMetByTheEncodersThoughTheDrivesAreOff) {
 
 TEST_F(MotionTest, TheTrimGoesNoFartherThanItsLimit) {
   drive_offset[1] = -0.1;
-  motion.start(goal_at(kGoal, GoalKind::kJoints), model);
+  motion.start(goal_at(kMotionGoal, GoalKind::kJoints), model);
   EXPECT_EQ(run(), Progress::kGivenUp);
-  EXPECT_NEAR(motion.command_rad()[1] - kGoal[1], 0.02, 1e-3);
+  EXPECT_NEAR(motion.command_rad()[1] - kMotionGoal[1], 0.02, 1e-3);
 }
 
 TEST_F(MotionTest, AStopAtAnyMomentBrakesInsideTheLimits) {
   for (int k = 0; k < 400; k += 7) {
-    motion.start(goal_at(k % 2 ? kGoal : kStart, k % 3 ? GoalKind::kJoints : GoalKind::kPoseInCamera), model);
+    motion.start(goal_at(k % 2 ? kMotionGoal : kStart, k % 3 ? GoalKind::kJoints : GoalKind::kPoseInCamera), model);
     for (int i = 0; i < k; ++i) cycle();
     int braking = 0;
     while (!motion.is_at_rest() && ++braking < 1000) {
@@ -95,7 +95,7 @@ TEST_F(MotionTest, AStopAtAnyMomentBrakesInsideTheLimits) {
 
 TEST_F(MotionTest, ARevisedModelOnTheWayMakesNoJumpAndIsWhatTheGoalIsMetOn) {
   for (const GoalKind kind : {GoalKind::kJoints, GoalKind::kPoseInBase, GoalKind::kPoseInCamera}) {
-    motion.start(goal_at(kGoal, kind), model);
+    motion.start(goal_at(kMotionGoal, kind), model);
     for (int k = 0; k < 600; ++k) {
       if (k % 40 == 17) revise(0.05);
       cycle();
@@ -105,7 +105,7 @@ TEST_F(MotionTest, ARevisedModelOnTheWayMakesNoJumpAndIsWhatTheGoalIsMetOn) {
     double position_m, orientation_rad;
     motion.errors_at(reading, model, position_m, orientation_rad);
     if (kind != GoalKind::kJoints) EXPECT_LT(position_m, 1e-3);
-    else EXPECT_LT((reading + model.beta - kGoal).cwiseAbs().maxCoeff(), 5e-4);
+    else EXPECT_LT((reading + model.beta - kMotionGoal).cwiseAbs().maxCoeff(), 5e-4);
     motion.start(goal_at(kStart, GoalKind::kJoints), model);
     ASSERT_EQ(run(), Progress::kArrived);
   }
