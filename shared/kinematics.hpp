@@ -2,6 +2,8 @@
 // q is the real joint angle (reading + beta), rad. No heap.
 #pragma once
 
+#include <limits>
+
 #include "shared/arm_model.hpp"
 
 namespace armsight {
@@ -17,6 +19,9 @@ HandKinematics hand_kinematics(const SerialChain& chain, const JointVector& q);
 
 /// Smallest singular value of the 3 × n position Jacobian over the arm's reach, 0 at a singularity (controller.md §6.2).
 double position_manipulability(const SerialChain& chain, const JointVector& q);
+/// The same where the Jacobian is known; or, sooner, some value between `enough` and it.
+double position_manipulability(const SerialChain& chain, const Jacobian& J,
+                               double enough = std::numeric_limits<double>::infinity());
 /// Upper bound of |p| over all postures: the sum of the link lengths.
 double reach_m(const SerialChain& chain);
 

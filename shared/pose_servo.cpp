@@ -14,7 +14,8 @@ constexpr double kSoundManipulability = 0.1;
 /// Keeps the normal matrix definite where a joint moves nothing: 1e-5 m a radian against centimetres.
 constexpr double kLeastDamping = 1e-5;
 
-double damping_squared(double manipulability, double damping) {
+double damping_squared(const SerialChain& chain, const Jacobian& J, double damping) {
+  const double manipulability = position_manipulability(chain, J, kSoundManipulability);
   const double closeness = std::clamp(1.0 - manipulability / kSoundManipulability, 0.0, 1.0);
   return kLeastDamping * kLeastDamping + damping * damping * closeness * closeness;
 }
@@ -27,16 +28,27 @@ JointVector pose_servo_speeds(const SerialChain& chain, const JointVector& q_rea
   const JointVector still = JointVector::Zero(chain.joint_count);
   if (!q_real.allFinite() || !is_finite(T_B_G) || !(dt_s > 0.0)) return still;
   const HandKinematics hand = hand_kinematics(chain, q_real);
-  Vector6 wanted = options.gain_per_s * pose_error(T_B_G, hand.T_B_H);
-  Jacobian J = hand.J;
-  J.bottomRows<3>() *= options.orientation_weight_m;
-  wanted.tail<3>() *= options.orientation_weight_m;
-  JointMatrix N = J.transpose() * J;
-  N.diagonal().array() += damping_squared(position_manipulability(chain, q_real), options.damping);
-  // Outside the limits the bounds ask for the way back, as fast as allowed.
-  const JointVector lower = ((min_rad - q_real) / dt_s).cwiseMax(-max_speed_rad_s).cwiseMin(max_speed_rad_s);
-  const JointVector upper = ((max_rad - q_real) / dt_s).cwiseMin(max_speed_rad_s).cwiseMax(-max_speed_rad_s);
-  const JointVector speeds = solve_box_qp(N, J.transpose() * wanted, lower, upper);
+  const Vector6 wanted = options.gain_per_s * pose_error(T_B_G, hand.T_B_H);
+  // The normal equations of min |W (J q̇ − wanted)|², W = diag(1, 1, 1, w, w, w).
+  Vector6 weight = Vector6::Ones();
+  weight.tail<3>().setConstant(options.orientation_weight_m * options.orientation_weight_m);
+  const Eigen::Index n = chain.joint_count;
+  JointMatrix N(n, n);
+  JointVector g(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector6 column = weight.cwiseProduct(hand.J.col(i));
+    g[i] = column.dot(wanted);
+    for (Eigen::Index k = 0; k <= i; ++k) N(i, k) = N(k, i) = column.dot(hand.J.col(k));
+  }
+  N.diagonal().array() += damping_squared(chain, hand.J, options.damping);
+  const double per_dt = 1.0 / dt_s;
+  JointVector lower(n), upper(n);
+  for (Eigen::Index i = 0; i < n; ++i) {  // outside the limits the bounds ask for the way back, as fast as allowed
+    const double most = max_speed_rad_s[i];
+    lower[i] = std::min(std::max((min_rad[i] - q_real[i]) * per_dt, -most), most);
+    upper[i] = std::max(std::min((max_rad[i] - q_real[i]) * per_dt, most), -most);
+  }
+  const JointVector speeds = solve_box_qp(N, g, lower, upper);
   return speeds.allFinite() ? speeds : still;
 }
 

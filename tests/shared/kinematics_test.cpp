@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
+
 #include "tests/shared/default_arm.hpp"
 
 namespace armsight {
@@ -98,6 +100,23 @@ TEST(Kinematics, ReachBoundsEveryPosture) {
   for (int k = 0; k < 200; ++k) {
     const JointVector q = test::random_between(JointVector::Constant(6, -3.0), JointVector::Constant(6, 3.0), random);
     EXPECT_LE(forward_kinematics(chain, q).p.norm(), reach_m(chain));
+  }
+}
+
+TEST(Kinematics, ManipulabilityIsTheLeastSingularValueOverTheReach) {
+  std::mt19937 random(9);
+  for (int k = 0; k < 300; ++k) {
+    const SerialChain chain = k % 2 == 0 ? default_arm().chain : general_chain(3 + k % 6, static_cast<unsigned>(k));
+    const Eigen::Index n = chain.joint_count;
+    const JointVector q = random_between(JointVector::Constant(n, -2.0), JointVector::Constant(n, 2.0), random);
+    const Jacobian J = hand_kinematics(chain, q).J;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(J.topRows<3>()));
+    const double length = reach_m(chain) - chain.T_B_0.p.norm();
+    const double expected = svd.singularValues()[2] / length;
+    EXPECT_NEAR(position_manipulability(chain, q), expected, 1e-7);
+    const double early = position_manipulability(chain, J, 0.05);
+    EXPECT_LE(early, expected + 1e-9);
+    EXPECT_GE(early, std::min(0.05, expected - 1e-7));
   }
 }
 
