@@ -119,13 +119,16 @@ int Program::run_lockstep(const std::atomic<bool>& leaves) {
 
 int Program::run_real(const std::atomic<bool>& leaves) {
   const Duration link_period = std::max(kShortestLinkPeriod, seconds_to_duration(robot_.controller.period_s) / 2);
+  service_manager_.say_ready(bus_->name());
   std::thread cycle([this, &leaves] { cycle_thread(leaves); });
   while (!cycle_ended_) {
     const std::vector<int> descriptors = link_->descriptors();
     net::wait_readable(descriptors, link_period);
     link_->step(clock_->now());
     link_->publish(clock_->now());
+    service_manager_.say_alive(clock_->now(), statistics_.cycles);
   }
+  service_manager_.say_stopping();
   cycle.join();
   link_->publish(clock_->now());
   say_goodbye();

@@ -7,6 +7,7 @@
 #include "arm_controller/control_loop.hpp"
 #include "arm_controller/flags.hpp"
 #include "arm_controller/link_server.hpp"
+#include "arm_controller/service_manager.hpp"
 #include "protocol/descriptor.hpp"
 
 namespace armsight::arm {
@@ -39,6 +40,7 @@ class Program {
   std::unique_ptr<FileWriter> files_;
   std::unique_ptr<LinkServer> link_;
   std::unique_ptr<ControlLoop> loop_;
+  ServiceManager service_manager_;
   std::optional<Time> leave_by_;
   std::atomic<bool> cycle_ended_{false};
   std::atomic<int> exit_code_{0};
