@@ -1,0 +1,112 @@
+// How long an arm under way goes on when a program is gone: in simulated time, read from the simulator's truth and from the
+// log of its bus, never from the controller's word.
+#include <cstdio>
+#include <fstream>
+#include <map>
+
+#include "tests/bench/bench_row.hpp"
+#include "tests/bench/simulated_arm.hpp"
+
+namespace armsight::bench {
+namespace {
+
+constexpr double kStill_rad_s = 0.02;
+
+/// All joints at 0.6 rad/s, in the middle of a long way.
+bool start_moving(demo::RunningArm& arm) {
+  if (arm.host({"move", "--joints=0.2,-0.2,-0.2,1.0,0.0"}) != 0) return false;
+  arm.conductor().start("host", arm.host_command({"move", "--joints=1.4,0.7,-1.3,2.2,1.2", "--speed", "0.3"}));
+  arm.conductor().run_cycles(500);
+  return arm.conductor().find("host") != nullptr && !arm.conductor().find("host")->exit_code();
+}
+
+struct Frame {
+  double time_s;
+  unsigned id;
+  std::string data;
+};
+
+/// candump -L text; what is no frame is left out.
+std::vector<Frame> read_log(const std::filesystem::path& file) {
+  std::vector<Frame> frames;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    Frame frame{};
+    char data[32] = "";
+    if (std::sscanf(line.c_str(), "(%lf) %*s %x#%31s", &frame.time_s, &frame.id, data) < 2) continue;
+    frame.data = data;
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+double speed_rad_s(const demo::TruthRow& a, const demo::TruthRow& b) {
+  return (b.q_true - a.q_true).cwiseAbs().maxCoeff() / (1e-9 * static_cast<double>(b.arm_time_ns - a.arm_time_ns));
+}
+
+/// From the kill to the last row that still moves.
+Row host_lost_row() {
+  Row row{"host lost -> still, powered", "ms", 0.0, {}, "", "at most 200 ms + braking (110 ms)", false, {}};
+  const TemporaryFolder folder;
+  demo::RunningArm arm(simulated_arm("lockstep"), folder.path(), false);
+  if (!start_moving(arm)) return row.why = "the arm did not get under way", row;
+  const double killed_s = arm.conductor().time_s();
+  arm.conductor().kill("host");
+  arm.conductor().run_cycles(250);
+  const double finished_s = arm.conductor().time_s();
+  const bool is_powered = arm.host({"status"}) == 0;
+  const double asked_s = arm.conductor().time_s() - finished_s;
+  const demo::Truth truth = arm.finish();
+  const double end_s = 1e-9 * static_cast<double>(truth.rows.back().arm_time_ns);
+  const double kill_in_trace_s = end_s - (finished_s - killed_s) - asked_s;
+  const demo::TruthRow* at_kill = nullptr;
+  double way_rad = 0.0;
+  for (std::size_t i = 0; i + 1 < truth.rows.size(); ++i) {
+    const double time_s = 1e-9 * static_cast<double>(truth.rows[i].arm_time_ns);
+    if (time_s < kill_in_trace_s) continue;
+    if (at_kill == nullptr) at_kill = &truth.rows[i];
+    if (speed_rad_s(truth.rows[i], truth.rows[i + 1]) < kStill_rad_s) continue;
+    row.ours = 1e3 * (time_s - kill_in_trace_s);
+    way_rad = (truth.rows[i + 1].q_true - at_kill->q_true).cwiseAbs().maxCoeff();
+  }
+  // Speed over acceleration, acceleration over jerk, and the drive's own lag, at 0.6 rad/s.
+  constexpr double kBraking_ms = 1e3 * (0.6 / 10.0 + 10.0 / 200.0);
+  row.holds = is_powered && row.ours > 0.0 && row.ours <= 200.0 + kBraking_ms;
+  char text[96];
+  std::snprintf(text, sizeof text, "way after the loss %.3f rad, bound %.3f rad at 0.6 rad/s", way_rad,
+                0.6 * (0.2 + 1e-3 * kBraking_ms));
+  row.why = text;
+  return row;
+}
+
+/// From a node's last set-point to its own emergency, the slowest node.
+Row controller_killed_row() {
+  Row row{"controller killed -> drives start their quick stop", "ms", 0.0, {}, "", "at most 20 ms by RPDO deadline", false, {}};
+  const TemporaryFolder folder;
+  demo::RunningArm arm(simulated_arm("lockstep"), folder.path(), false);
+  if (!start_moving(arm)) return row.why = "the arm did not get under way", row;
+  arm.conductor().kill("arm_controller");
+  arm.conductor().run_cycles(250);
+  arm.conductor().kill("host");
+  arm.finish();
+  std::map<unsigned, double> last_set_point, emergency;
+  for (const Frame& frame : read_log(folder.path() / "sim/bus.log")) {
+    const unsigned node = frame.id & 0x7F;
+    if ((frame.id & 0x780) == 0x200) last_set_point[node] = frame.time_s;
+    const bool is_emergency = (frame.id & 0x780) == 0x080 && node > 0 && frame.data.compare(0, 4, "0000") != 0;
+    if (is_emergency) emergency.emplace(node, frame.time_s);
+  }
+  for (unsigned node = 1; node <= 5; ++node) {
+    if (!emergency.contains(node)) return row.why = "node " + std::to_string(node) + " reported nothing", row;
+    row.ours = std::max(row.ours, 1e3 * (emergency[node] - last_set_point[node]));
+  }
+  row.holds = row.ours <= 20.0;
+  row.why = "last set-point to EMCY on the bus, slowest of five drives";
+  return row;
+}
+
+}  // namespace
+
+std::vector<Row> stop_rows(bool /*is_quick*/) { return {host_lost_row(), controller_killed_row()}; }
+
+}  // namespace armsight::bench
