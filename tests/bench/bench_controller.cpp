@@ -1,5 +1,6 @@
 // The filter's update and the whole cycle of the controller on scripted drives.
 #include "shared/joint_offset_ekf.hpp"
+#include "shared/joint_servo.hpp"
 #include "tests/arm_controller/arm_rig.hpp"
 #include "tests/bench/bench_row.hpp"
 #include "tests/shared/default_arm.hpp"
@@ -41,6 +42,20 @@ Row filter_row(const std::string& name, int max_iterations, double most_us, int 
   row.why = std::to_string(fused) + " of " + std::to_string(kInputs) + " looks fused, " +
             std::to_string(static_cast<double>(iterations) / kInputs).substr(0, 4) + " inner steps on average";
   return row;
+}
+
+/// Another target every cycle, so a new plan from motion each time: the dearest step.
+Row joint_servo_row(int blocks) {
+  constexpr std::size_t kInputs = 1000;
+  const ArmModel arm = default_arm();
+  std::mt19937 random(3);
+  std::vector<JointVector> targets;
+  for (std::size_t i = 0; i < kInputs; ++i) targets.push_back(random_within(arm.limits, random));
+  JointServo servo(arm.limits);
+  servo.reset(joints({0.3, -0.4, 0.5, 1.0, 0.2}));
+  const Paired time =
+      time_paired(kInputs, blocks, [&](std::size_t i) { keep(servo.step_towards(targets[i], 1.0, 0.004)); });
+  return {"jerk-limited joint servo, five joints, a new target every cycle", "us", time.ours_us, {}, "", "", {}, {}};
 }
 
 /// Cycles under way between far postures; every tenth carries a look, as many as a busy `adapt` would send in a second.
@@ -106,7 +121,8 @@ std::vector<Row> tick_rows(int cycles) {
 std::vector<Row> controller_rows(bool is_quick) {
   const int blocks = is_quick ? 3 : 41;
   std::vector<Row> rows{filter_row("EKF update, 11 states, at most 5 inner iterations", 5, 25.0, blocks),
-                        filter_row("EKF update, single iteration", 1, 5.0, blocks)};
+                        filter_row("EKF update, single iteration", 1, 5.0, blocks),
+                        joint_servo_row(blocks)};
   for (const Row& row : tick_rows(is_quick ? 2000 : 100000)) rows.push_back(row);
   return rows;
 }
