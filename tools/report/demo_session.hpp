@@ -41,6 +41,8 @@ class RunningArm {
   /// Names of the files that faults left in the controller's state folder.
   std::vector<std::string> black_boxes() const;
   const std::filesystem::path& run_dir() const { return run_dir_; }
+  /// ADDR:PORT where the controller listens.
+  const std::string& link() const { return link_; }
   const std::string& bus_line() const { return bus_line_; }
   const std::vector<std::string>& commands() const { return commands_; }
   /// Every line the host printed in its last verb.
