@@ -121,8 +121,7 @@ std::vector<Row> tick_rows(int cycles) {
 std::vector<Row> controller_rows(bool is_quick) {
   const int blocks = is_quick ? 3 : 41;
   std::vector<Row> rows{filter_row("EKF update, 11 states, at most 5 inner iterations", 5, 25.0, blocks),
-                        filter_row("EKF update, single iteration", 1, 5.0, blocks),
-                        joint_servo_row(blocks)};
+                        filter_row("EKF update, single iteration", 1, 5.0, blocks), joint_servo_row(blocks)};
   for (const Row& row : tick_rows(is_quick ? 2000 : 100000)) rows.push_back(row);
   return rows;
 }

@@ -1,5 +1,5 @@
-// Kinematics, servo step and inverse kinematics beside Orocos KDL, the library that most arms are programmed with. Answers
-// are compared before times: a row whose answers differ holds nothing.
+// Kinematics, servo step and inverse kinematics beside Orocos KDL, the library that most arms are programmed with.
+// Answers are compared before times: a row whose answers differ holds nothing.
 #include <cmath>
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
@@ -24,8 +24,11 @@ constexpr double kCycle_s = 0.004;
 
 KDL::Chain kdl_arm() {
   constexpr double kQuarter = std::numbers::pi / 2.0;
-  const double dh[5][4] = {{0, kQuarter, 0, 0}, {0, -kQuarter, 0, kQuarter}, {0, -kQuarter, 0.168, -kQuarter},
-                           {0, kQuarter, 0, 0}, {0, -kQuarter, 0.185, 0}};  // table 7.1: a, α, d, θ
+  const double dh[5][4] = {{0, kQuarter, 0, 0},
+                           {0, -kQuarter, 0, kQuarter},
+                           {0, -kQuarter, 0.168, -kQuarter},
+                           {0, kQuarter, 0, 0},
+                           {0, -kQuarter, 0.185, 0}};  // table 7.1: a, α, d, θ
   KDL::Chain chain;
   for (const auto& row : dh)
     chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::RotZ), KDL::Frame::DH(row[0], row[1], row[2], row[3])));
@@ -70,7 +73,10 @@ Postures random_postures(const JointVector& min, const JointVector& max, std::si
 }
 
 Row ratio_row(const std::string& name, const Paired& time, double least_ratio, bool answers_agree) {
-  Row row{name, "us", time.ours_us, time.peer_us, "Orocos KDL", "at least " + std::to_string(int(least_ratio)) + " times faster", {}, {}};
+  Row row{name,         "us",
+          time.ours_us, time.peer_us,
+          "Orocos KDL", "at least " + std::to_string(int(least_ratio)) + " times faster",
+          {},           {}};
   row.holds = answers_agree && time.peer_us >= least_ratio * time.ours_us;
   if (!answers_agree) row.why = "the answers differ from the peer's";
   return row;
@@ -89,8 +95,8 @@ Row forward_row(int blocks) {
     const HandKinematics hand = hand_kinematics(arm.chain, at.ours[i]);
     fk.JntToCart(at.kdl[i], frame);
     jacobian.JntToJac(at.kdl[i], J);
-    agree = agree && (from_kdl(frame).R - hand.T_B_H.R).norm() < 1e-9 && (from_kdl(frame).p - hand.T_B_H.p).norm() < 1e-9 &&
-            (J.data - hand.J).norm() < 1e-9;
+    agree = agree && (from_kdl(frame).R - hand.T_B_H.R).norm() < 1e-9 &&
+            (from_kdl(frame).p - hand.T_B_H.p).norm() < 1e-9 && (J.data - hand.J).norm() < 1e-9;
   }
   const Paired time = time_paired(
       kInputs, blocks, [&](std::size_t i) { keep(hand_kinematics(arm.chain, at.ours[i])); },
@@ -107,7 +113,8 @@ std::vector<Pose> goals_nearby(const ArmModel& arm, const Postures& at, double s
   std::mt19937 random(2);
   std::vector<Pose> goals;
   for (const JointVector& q : at.ours) {
-    const JointVector step = random_between(JointVector::Constant(5, -step_rad), JointVector::Constant(5, step_rad), random);
+    const JointVector step =
+        random_between(JointVector::Constant(5, -step_rad), JointVector::Constant(5, step_rad), random);
     goals.push_back(forward_kinematics(arm.chain, q + step));
   }
   return goals;
@@ -144,11 +151,15 @@ std::vector<Row> servo_rows(int blocks) {
     velocity.CartToJnt(at.kdl[i], twists[i], speeds);
     keep(speeds);
   };
-  const Paired limited = time_paired(kInputs, blocks, [&](std::size_t i) {
-    keep(pose_servo_speeds(arm.chain, at.ours[i], goals[i], arm.limits.min_rad, arm.limits.max_rad,
-                           arm.limits.max_speed_rad_s, kCycle_s, options));
-  }, kdl);
-  const Paired free = time_paired(kInputs, blocks, [&](std::size_t i) { keep(without_limits(i, goals)); }, kdl);
+  const Paired limited = time_paired(
+      kInputs, blocks,
+      [&](std::size_t i) {
+        keep(pose_servo_speeds(arm.chain, at.ours[i], goals[i], arm.limits.min_rad, arm.limits.max_rad,
+                               arm.limits.max_speed_rad_s, kCycle_s, options));
+      },
+      kdl);
+  const Paired free = time_paired(
+      kInputs, blocks, [&](std::size_t i) { keep(without_limits(i, goals)); }, kdl);
   return {ratio_row("servo step with limits QP, against velocity IK", limited, 5.0, agree),
           ratio_row("servo step without QP, against velocity IK", free, 15.0, agree)};
 }
@@ -202,9 +213,16 @@ Row ik_row(const std::string& limits, const JointVector& min, const JointVector&
   KDL::ChainFkSolverPos_recursive fk(chain);
   KDL::ChainIkSolverVel_pinv velocity(chain);
   KDL::ChainIkSolverPos_NR_JL nr_jl(chain, to_kdl(min), to_kdl(max), fk, velocity, 100, 1e-5);
-  const IkScore kdl_nr = score(count, [&](std::size_t i) { return nr_jl.CartToJnt(seeds.kdl[i], to_kdl(goals[i]), q) >= 0; });
-  Row row{"IK inside limits, " + std::to_string(count) + " reachable poses, " + limits, "us", ours.mean_us, kdl_lma.mean_us,
-          "KDL LMA", "100 % solved, mean at most 25 us", {}, {}};
+  const IkScore kdl_nr =
+      score(count, [&](std::size_t i) { return nr_jl.CartToJnt(seeds.kdl[i], to_kdl(goals[i]), q) >= 0; });
+  Row row{"IK inside limits, " + std::to_string(count) + " reachable poses, " + limits,
+          "us",
+          ours.mean_us,
+          kdl_lma.mean_us,
+          "KDL LMA",
+          "100 % solved, mean at most 25 us",
+          {},
+          {}};
   row.holds = ours.solved_percent == 100.0 && ours.mean_us <= 25.0;
   row.why = "ours " + in_words(ours) + "; LMA " + in_words(kdl_lma) + "; NR_JL " + in_words(kdl_nr);
   return row;

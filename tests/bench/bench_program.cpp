@@ -1,5 +1,5 @@
-// The shipped program as a file and as a process: how large it is, what it needs, how much memory it holds while it keeps
-// an arm that arm_sim simulates.
+// The shipped program as a file and as a process: how large it is, what it needs, how much memory it holds while it
+// keeps an arm that arm_sim simulates.
 #include <unistd.h>
 
 #include <chrono>
@@ -43,14 +43,16 @@ Row size_row() {
 }
 
 Row libraries_row() {
-  Row row{"arm_controller, needed libraries beside libc and libm", "", 0.0, {}, "", "none but libssl, libcrypto", true, {}};
+  Row row{
+      "arm_controller, needed libraries beside libc and libm", "", 0.0, {}, "", "none but libssl, libcrypto", true, {}};
   std::istringstream lines(output_of("objdump -p '" + (programs() / "arm_controller").string() + "' | grep NEEDED"));
   std::string word, library;
   int count = 0;
   while (lines >> word >> library) {
     ++count;
     row.why += (row.why.empty() ? "" : ", ") + library;
-    const bool is_system = library.starts_with("libc.") || library.starts_with("libm.") || library.starts_with("ld-linux");
+    const bool is_system =
+        library.starts_with("libc.") || library.starts_with("libm.") || library.starts_with("ld-linux");
     if (is_system) continue;
     row.ours += 1.0;
     if (!library.starts_with("libssl.") && !library.starts_with("libcrypto.")) row.holds = false;

@@ -1,5 +1,5 @@
-// One line of the benchmark table, and how it is timed: thread CPU time, ours and the peer's blocks in turn, the median of
-// the blocks. So a busy machine slows both and the ratio stands.
+// One line of the benchmark table, and how it is timed: thread CPU time, ours and the peer's blocks in turn, the median
+// of the blocks. So a busy machine slows both and the ratio stands.
 #pragma once
 
 #include <time.h>
@@ -17,9 +17,9 @@ struct Row {
   double ours = 0.0;
   std::optional<double> peer;
   std::string peer_name;
-  std::string bar;                ///< in words; empty: none
-  std::optional<bool> holds;      ///< nullopt: no bar
-  std::string why;                ///< why it could not run, or what else is to be known
+  std::string bar;            ///< in words; empty: none
+  std::optional<bool> holds;  ///< nullopt: no bar
+  std::string why;            ///< why it could not run, or what else is to be known
 };
 
 inline double thread_time_us() {

@@ -19,8 +19,8 @@ void print(const Row& row) {
 }
 
 nlohmann::json to_json(const Row& row) {
-  nlohmann::json j{{"name", row.name}, {"unit", row.unit}, {"ours", row.ours}, {"peer", nullptr}, {"peer_name", nullptr},
-                   {"ratio", nullptr}, {"bar", nullptr},   {"holds", row.holds.value_or(true)}};
+  nlohmann::json j{{"name", row.name},     {"unit", row.unit}, {"ours", row.ours}, {"peer", nullptr},
+                   {"peer_name", nullptr}, {"ratio", nullptr}, {"bar", nullptr},   {"holds", row.holds.value_or(true)}};
   if (row.peer) {
     j["peer"] = *row.peer;
     j["peer_name"] = row.peer_name;
@@ -38,14 +38,17 @@ int main(int argc, char** argv) {
   bool is_quick = false;
   std::string file;
   for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--quick") == 0) is_quick = true;
-    else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc) file = argv[++i];
-    else return std::fprintf(stderr, "bench_rows: unknown argument '%s'\n", argv[i]), 2;
+    if (std::strcmp(argv[i], "--quick") == 0)
+      is_quick = true;
+    else if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
+      file = argv[++i];
+    else
+      return std::fprintf(stderr, "bench_rows: unknown argument '%s'\n", argv[i]), 2;
   }
   bool all_hold = true;
   nlohmann::json list = nlohmann::json::array();
   for (const auto& rows : {armsight::bench::kinematics_rows, armsight::bench::controller_rows,
-                            armsight::bench::program_rows, armsight::bench::stop_rows}) {
+                           armsight::bench::program_rows, armsight::bench::stop_rows}) {
     for (const Row& row : rows(is_quick)) {
       print(row);
       std::fflush(stdout);

@@ -1,5 +1,5 @@
-// How long an arm under way goes on when a program is gone: in simulated time, read from the simulator's truth and from the
-// log of its bus, never from the controller's word.
+// How long an arm under way goes on when a program is gone: in simulated time, read from the simulator's truth and from
+// the log of its bus, never from the controller's word.
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -81,7 +81,14 @@ Row host_lost_row() {
 
 /// From a node's last set-point to its own emergency, the slowest node.
 Row controller_killed_row() {
-  Row row{"controller killed -> drives start their quick stop", "ms", 0.0, {}, "", "at most 20 ms by RPDO deadline", false, {}};
+  Row row{"controller killed -> drives start their quick stop",
+          "ms",
+          0.0,
+          {},
+          "",
+          "at most 20 ms by RPDO deadline",
+          false,
+          {}};
   const TemporaryFolder folder;
   demo::RunningArm arm(simulated_arm("lockstep"), folder.path(), false);
   if (!start_moving(arm)) return row.why = "the arm did not get under way", row;

@@ -71,8 +71,8 @@ TEST(SwivelIk, LeavesLessOrientationErrorThanAnySearch) {
     Pose goal = forward_kinematics(chain, q);
     goal.R = so3_exp(0.5 * random_vector(1.0, random).normalized()) * goal.R;
     const auto ours = solve(chain, range, goal, q);
-    const auto searched = solve_ik(other, range.min, range.max, goal, q,
-                                   {.position_tolerance_m = 1e-8, .limit_margin_rad = 0.0});
+    const auto searched =
+        solve_ik(other, range.min, range.max, goal, q, {.position_tolerance_m = 1e-8, .limit_margin_rad = 0.0});
     ASSERT_TRUE(ours);
     if (!searched) continue;
     if (searched->orientation_error_rad < ours->orientation_error_rad + 1e-3) ++agreeing;
@@ -99,10 +99,10 @@ TEST(SwivelIk, AnswersAtTheSingularPostures) {
   const SerialChain chain = default_arm().chain;
   const Range range{JointVector::Constant(5, -2.0), JointVector::Constant(5, 2.0)};
   const double quarter = std::numbers::pi / 2.0;
-  for (const JointVector& q : {joints({0, 0, 0, 0, 0}),                     // stretched: joints 3 and 5 on one line
-                               joints({0.4, -0.3, 0.2, 0, 0.5}),            // stretched elsewhere
-                               joints({0.3, -quarter, 0.4, 1.0, 0.2}),      // upper arm along axis 1
-                               joints({0.3, quarter, 0.4, 0, 0.2})}) {      // both
+  for (const JointVector& q : {joints({0, 0, 0, 0, 0}),                 // stretched: joints 3 and 5 on one line
+                               joints({0.4, -0.3, 0.2, 0, 0.5}),        // stretched elsewhere
+                               joints({0.3, -quarter, 0.4, 1.0, 0.2}),  // upper arm along axis 1
+                               joints({0.3, quarter, 0.4, 0, 0.2})}) {  // both
     const Pose goal = forward_kinematics(chain, q);
     for (const JointVector& seed : {q, joints({0.1, 0.2, 0.3, 0.4, 0.5})}) {
       const auto solution = solve(chain, range, goal, seed);

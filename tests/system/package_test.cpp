@@ -1,5 +1,5 @@
-// The controller's Debian package: what is in it, that what it installs starts and holds an arm, that an upgrade keeps what
-// the owner changed and the arm has learnt.
+// The controller's Debian package: what is in it, that what it installs starts and holds an arm, that an upgrade keeps
+// what the owner changed and the arm has learnt.
 #include <unistd.h>
 
 #include <cstdio>
@@ -56,7 +56,8 @@ class Package : public SystemTest {
   Output install(const fs::path& package, const fs::path& root) {
     const std::string as_root = ::getuid() == 0 ? "" : "unshare -r ";
     return shell(as_root + "dpkg --root='" + root.string() +
-                 "' --force-script-chrootless --force-depends --log=/dev/null -i '" + package.string() + "' < /dev/null");
+                 "' --force-script-chrootless --force-depends --log=/dev/null -i '" + package.string() +
+                 "' < /dev/null");
   }
 
   fs::path package_;
@@ -68,9 +69,9 @@ TEST_F(Package, HoldsTheProgramItsFileItsUnitAndItsPage) {
   EXPECT_NE(field("Depends").find("libc6 (>="), std::string::npos) << field("Depends");
   EXPECT_EQ(field("Depends").find("opencv"), std::string::npos) << field("Depends");
   const std::string content = shell("dpkg-deb -c '" + package_.string() + "'").text;
-  for (const char* file : {"./usr/bin/arm_controller", "./etc/armsight/arm.yaml", "./usr/share/man/man8/arm_controller.8",
-                           "./lib/systemd/system/armsight-controller@.service",
-                           "./usr/share/armsight-controller/network/80-can0.network"})
+  for (const char* file :
+       {"./usr/bin/arm_controller", "./etc/armsight/arm.yaml", "./usr/share/man/man8/arm_controller.8",
+        "./lib/systemd/system/armsight-controller@.service", "./usr/share/armsight-controller/network/80-can0.network"})
     EXPECT_NE(content.find(file), std::string::npos) << file << " is not in\n" << content;
   EXPECT_EQ(shell("dpkg-deb -I '" + package_.string() + "' conffiles").text, "/etc/armsight/arm.yaml\n");
 }
@@ -87,7 +88,9 @@ TEST_F(Package, InstalledStartsAndHoldsAnArm) {
   start(options);
   EXPECT_EQ(arm().host({"move", "--joints=0.4,0.1,-0.2,1.2,-0.5"}), 0);
   ASSERT_EQ(arm().host({"status"}), 0);
-  const auto is_hold = [](const std::string& line) { return line.starts_with("mode:") && line.find("hold") != line.npos; };
+  const auto is_hold = [](const std::string& line) {
+    return line.starts_with("mode:") && line.find("hold") != line.npos;
+  };
   EXPECT_TRUE(std::ranges::any_of(arm().host_lines(), is_hold));
 }
 
@@ -103,9 +106,11 @@ TEST_F(Package, UpgradeKeepsTheOwnersFileAndTheModel) {
   fs::create_directories(model.parent_path());
   std::ofstream(model) << "learnt\n";
 
-  ASSERT_EQ(shell("dpkg-deb -R '" + package_.string() + "' '" + unpacked.string() + "' && sed -i 's/^Version: .*/Version: 99/' '" +
-                  (unpacked / "DEBIAN/control").string() + "' && dpkg-deb --root-owner-group -b '" + unpacked.string() +
-                  "' '" + next.string() + "'").code, 0);
+  ASSERT_EQ(shell("dpkg-deb -R '" + package_.string() + "' '" + unpacked.string() +
+                  "' && sed -i 's/^Version: .*/Version: 99/' '" + (unpacked / "DEBIAN/control").string() +
+                  "' && dpkg-deb --root-owner-group -b '" + unpacked.string() + "' '" + next.string() + "'")
+                .code,
+            0);
   const Output second = install(next, root);
   ASSERT_EQ(second.code, 0) << second.text;
   EXPECT_NE(text_of(root / "var/lib/dpkg/status").find("Version: 99"), std::string::npos);
