@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kDt = 0.004;
+constexpr double kPeriod_s = 0.004;
 constexpr double kSlack = SetpointJudge::kSlack, kRounding_rad = SetpointJudge::kRounding_rad,
                  kSum_rad = SetpointJudge::kSum_rad;
 
@@ -31,7 +31,7 @@ class Judge {
     const double J = std::max(force.max_jerk_rad_s3[i], force_before.max_jerk_rad_s3[i]) * (1 + kSlack);
     const double a0 = before.acceleration_rad_s2[i], a1 = now.acceleration_rad_s2[i];
     const double v0 = before.speed_rad_s[i], v1 = now.speed_rad_s[i], q0 = before.q_rad[i], q1 = now.q_rad[i];
-    ASSERT_LE(std::abs(a1 - a0), J * kDt);
+    ASSERT_LE(std::abs(a1 - a0), J * kPeriod_s);
     // A limit that was lowered below the present value is come back to, without a step away.
     ASSERT_LE(std::abs(a1), std::max(force.max_acceleration_rad_s2[i], std::abs(a0)) * (1 + kSlack));
     const double unavoidable = coasting(v0, a0, force.max_jerk_rad_s3[i]);
@@ -39,8 +39,8 @@ class Judge {
     ASSERT_LE(q1, std::max(force.max_rad[i], q0) + kSum_rad);
     ASSERT_GE(q1, std::min(force.min_rad[i], q0) - kSum_rad);
     // The samples belong to one curve with that jerk.
-    ASSERT_NEAR(v1, v0 + a0 * kDt, 0.5 * J * kDt * kDt + 1e-15);
-    ASSERT_NEAR(q1, q0 + v0 * kDt + 0.5 * a0 * kDt * kDt, J * kDt * kDt * kDt / 6.0 + kRounding_rad);
+    ASSERT_NEAR(v1, v0 + a0 * kPeriod_s, 0.5 * J * kPeriod_s * kPeriod_s + 1e-15);
+    ASSERT_NEAR(q1, q0 + v0 * kPeriod_s + 0.5 * a0 * kPeriod_s * kPeriod_s, J * kPeriod_s * kPeriod_s * kPeriod_s / 6.0 + kRounding_rad);
   }
 
   /// Speed that ramping the acceleration away leaves, where that is more.
@@ -62,11 +62,11 @@ class RandomCommander {
     if (u() < 0.02) speed_ = random_between(-2 * nominal_.max_speed_rad_s, 2 * nominal_.max_speed_rad_s, random_);
     sign_ = -sign_;
     switch (mood_) {
-      case 0: servo.step_towards(target_, scale_, kDt); break;
-      case 1: servo.step_towards(sign_ * target_, 1.0, kDt); break;  // reversal every cycle
-      case 2: servo.step_with_speed(speed_, kDt); break;
-      case 3: servo.step_with_speed(sign_ * speed_, kDt); break;
-      default: u() < 0.5 ? servo.step_to_rest(kDt) : servo.step_towards(target_, scale_, kDt);
+      case 0: servo.step_towards(target_, scale_, kPeriod_s); break;
+      case 1: servo.step_towards(sign_ * target_, 1.0, kPeriod_s); break;  // reversal every cycle
+      case 2: servo.step_with_speed(speed_, kPeriod_s); break;
+      case 3: servo.step_with_speed(sign_ * speed_, kPeriod_s); break;
+      default: u() < 0.5 ? servo.step_to_rest(kPeriod_s) : servo.step_towards(target_, scale_, kPeriod_s);
     }
   }
 
@@ -98,10 +98,10 @@ void expect_step_kept(const JointLimits& force_before, const JointServo& servo, 
 void expect_stop_free(JointServo servo) {
   // Greatest speed / least acceleration + greatest acceleration / least jerk.
   const double most_s = 1.0 / 0.2 + 4.0 / 2.0;
-  for (int k = 0; k < most_s / kDt && !servo.is_at_rest(); ++k) {
+  for (int k = 0; k < most_s / kPeriod_s && !servo.is_at_rest(); ++k) {
     const JointSetpoint before = servo.setpoint();
     const JointLimits force = servo.limits();
-    servo.step_to_rest(kDt);
+    servo.step_to_rest(kPeriod_s);
     ASSERT_NO_FATAL_FAILURE(expect_step_kept(force, servo, before));
     ASSERT_LE((servo.setpoint().q_rad - servo.limits().max_rad).maxCoeff(), kSum_rad);
     ASSERT_LE((servo.limits().min_rad - servo.setpoint().q_rad).maxCoeff(), kSum_rad);
@@ -114,7 +114,7 @@ TEST(JointServoRandom, NoLimitIsEverExceeded) {
   RandomCommander commander(nominal, 1);
   JointServo servo(nominal);
   servo.reset(joints({0.1, 0.2, -0.3, 1.0, 0.0}));
-  SetpointJudge sampled(nominal, kDt);
+  SetpointJudge sampled(nominal, kPeriod_s);
   for (long k = 0; k < step_count(); ++k) {
     const JointSetpoint before = servo.setpoint();
     commander.command(servo);
