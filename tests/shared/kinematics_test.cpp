@@ -11,7 +11,9 @@ namespace armsight {
 namespace {
 
 using test::default_arm;
+using test::general_chain;
 using test::joints;
+using test::random_between;
 
 constexpr double kNineDigits = 1e-9;
 
