@@ -72,7 +72,7 @@ double status_kB(pid_t pid, const std::string& key) {
 Row resident_row() {
   Row row{"arm_controller, resident memory, locked, real pace", "MB", 0.0, {}, "", "at most 16 MB", false, {}};
   const TemporaryFolder folder;
-  demo::RunningArm arm(simulated_arm("real"), folder.path(), false);
+  demo::RunningArm arm(simulated_arm("real"), folder.path() / "run", false);
   std::this_thread::sleep_for(std::chrono::seconds(2));
   const pid_t pid = arm.conductor().find("arm_controller")->pid();
   row.ours = 1e-3 * status_kB(pid, "VmRSS");

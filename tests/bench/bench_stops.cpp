@@ -48,7 +48,7 @@ double speed_rad_s(const demo::TruthRow& a, const demo::TruthRow& b) {
 Row host_lost_row() {
   Row row{"host lost -> still, powered", "ms", 0.0, {}, "", "at most 200 ms + braking (110 ms)", false, {}};
   const TemporaryFolder folder;
-  demo::RunningArm arm(simulated_arm("lockstep"), folder.path(), false);
+  demo::RunningArm arm(simulated_arm("lockstep"), folder.path() / "run", false);
   if (!start_moving(arm)) return row.why = "the arm did not get under way", row;
   const double killed_s = arm.conductor().time_s();
   arm.conductor().kill("host");
@@ -90,14 +90,14 @@ Row controller_killed_row() {
           false,
           {}};
   const TemporaryFolder folder;
-  demo::RunningArm arm(simulated_arm("lockstep"), folder.path(), false);
+  demo::RunningArm arm(simulated_arm("lockstep"), folder.path() / "run", false);
   if (!start_moving(arm)) return row.why = "the arm did not get under way", row;
   arm.conductor().kill("arm_controller");
   arm.conductor().run_cycles(250);
   arm.conductor().kill("host");
   arm.finish();
   std::map<unsigned, double> last_set_point, emergency;
-  for (const Frame& frame : read_log(folder.path() / "sim/bus.log")) {
+  for (const Frame& frame : read_log(folder.path() / "run/sim/bus.log")) {
     const unsigned node = frame.id & 0x7F;
     if ((frame.id & 0x780) == 0x200) last_set_point[node] = frame.time_s;
     const bool is_emergency = (frame.id & 0x780) == 0x080 && node > 0 && frame.data.compare(0, 4, "0000") != 0;

@@ -37,14 +37,19 @@ std::string text_of(const fs::path& file) {
 class Package : public SystemTest {
  protected:
   void SetUp() override {
-    fs::create_directories(folder_);
+    fs::create_directories(work_);
     const fs::path tree = quiet_robot().programs.parent_path();
-    const Output packed = shell("cd '" + folder_.string() + "' && cpack -G DEB --config '" +
-                                (tree / "CPackConfig.cmake").string() + "' -B '" + folder_.string() + "'");
+    const Output packed = shell("cd '" + work_.string() + "' && cpack -G DEB --config '" +
+                                (tree / "CPackConfig.cmake").string() + "' -B '" + work_.string() + "'");
     ASSERT_EQ(packed.code, 0) << packed.text;
-    for (const auto& entry : fs::directory_iterator(folder_))
+    for (const auto& entry : fs::directory_iterator(work_))
       if (entry.path().extension() == ".deb") package_ = entry.path();
     ASSERT_FALSE(package_.empty()) << packed.text;
+  }
+
+  void TearDown() override {
+    SystemTest::TearDown();
+    fs::remove_all(work_);
   }
 
   std::string field(const std::string& name) {
@@ -60,7 +65,7 @@ class Package : public SystemTest {
                  "' < /dev/null");
   }
 
-  fs::path package_;
+  fs::path work_ = folder_.string() + "-package", package_;
 };
 
 TEST_F(Package, HoldsTheProgramItsFileItsUnitAndItsPage) {
@@ -77,7 +82,7 @@ TEST_F(Package, HoldsTheProgramItsFileItsUnitAndItsPage) {
 }
 
 TEST_F(Package, InstalledStartsAndHoldsAnArm) {
-  const fs::path stage = folder_ / "stage", programs = folder_ / "programs";
+  const fs::path stage = work_ / "stage", programs = work_ / "programs";
   ASSERT_EQ(shell("dpkg-deb -x '" + package_.string() + "' '" + stage.string() + "'").code, 0);
   fs::create_directories(programs);
   DemoOptions options = quiet_robot();
@@ -95,7 +100,7 @@ TEST_F(Package, InstalledStartsAndHoldsAnArm) {
 }
 
 TEST_F(Package, UpgradeKeepsTheOwnersFileAndTheModel) {
-  const fs::path root = folder_ / "root", unpacked = folder_ / "next", next = folder_ / "next.deb";
+  const fs::path root = work_ / "root", unpacked = work_ / "next", next = work_ / "next.deb";
   fs::create_directories(root / "var/lib/dpkg/info");
   fs::create_directories(root / "var/lib/dpkg/updates");
   for (const char* name : {"status", "available"}) std::ofstream(root / "var/lib/dpkg" / name);

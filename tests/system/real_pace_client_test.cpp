@@ -17,7 +17,7 @@ TEST_F(RealPace, ObeysTheExampleClientInPython) {
 
   std::vector<std::string> lines;
   const int code = conductor().run("client",
-                                   {"/usr/bin/env", "PYTHONPATH=" + modules, "python3",
+                                   {"/usr/bin/env", "PYTHONPATH=" + modules, "/usr/bin/python3",
                                     ARMSIGHT_HOME "/protocol/examples/arm_client.py", arm().link(), "0.1"},
                                    &lines);
   ASSERT_FALSE(lines.empty());
