@@ -1,7 +1,7 @@
 // link_replay: the hosts of a recording once more, against a fresh simulated arm in lockstep; compares what the
 // controller answers. Each recorded connection is a process of its own, as its host was: another participant of the
-// clock. A black box is another matter: the executable that wrote it goes through it again (arm_controller --replay), alone.
-// Exit codes: 0 same, 1 different, 2 bad flag or file, or a run that cannot be repeated here, 3 peer lost.
+// clock. A black box is another matter: the executable that wrote it goes through it again (arm_controller --replay),
+// alone. Exit codes: 0 same, 1 different, 2 bad flag or file, or a run that cannot be repeated here, 3 peer lost.
 #include <poll.h>
 #include <unistd.h>
 
@@ -124,7 +124,8 @@ bool is_black_box(const std::string& file) {
 /// Becomes the controller; comes back only where there is none.
 int go_through_black_box(const Flags& flags) {
   std::string program = flags.controller;
-  if (program.empty()) program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "arm_controller").string();
+  if (program.empty())
+    program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "arm_controller").string();
   std::fflush(nullptr);
   execl(program.c_str(), program.c_str(), "--replay", flags.file.c_str(), static_cast<char*>(nullptr));
   return fail(2, "--controller " + program + ": cannot be started; it must be the executable that wrote the black box");

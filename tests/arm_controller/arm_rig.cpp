@@ -22,7 +22,8 @@ void ArmRig::cycle() {
   while (mailboxes.events.pop(event)) events.push_back(event);
   while (tape.events.pop(event)) {
   }
-  tape.checkpoints.take([this](std::uint64_t done, std::span<const std::byte> bytes) { box.keep_checkpoint(done, bytes); });
+  tape.checkpoints.take(
+      [this](std::uint64_t done, std::span<const std::byte> bytes) { box.keep_checkpoint(done, bytes); });
   TickRecord record;
   OrdersRecord orders;
   while (tape.ticks.pop(record)) {

@@ -51,7 +51,8 @@ class BlackBoxFile : public ::testing::Test {
     std::map<std::string, ChannelId> channels;
     RecordedMessage message;
     while (reader.next(message)) {
-      if (!channels.count(message.topic)) channels[message.topic] = writer.add_channel(message.topic, message.message_type);
+      if (!channels.count(message.topic))
+        channels[message.topic] = writer.add_channel(message.topic, message.message_type);
       edit(message);
       writer.write(channels[message.topic], message.time, message.data);
     }

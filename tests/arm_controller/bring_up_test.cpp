@@ -202,7 +202,8 @@ TEST(Supervision, ADriveFaultIsToldWithStateCodeAndRegister) {
   rig.bus.inject(encode(Emcy{0x2310, 0x03}, 1));
   ASSERT_TRUE(rig.bring_to(Mode::kFault, 10));
   EXPECT_EQ(fault_text(rig.state.fault),
-            "node 1: drive fault, fault (statusword 0x0008), last emergency 0x2310: over-current (error register: generic, current)");
+            "node 1: drive fault, fault (statusword 0x0008), last emergency 0x2310: over-current (error register: "
+            "generic, current)");
   EXPECT_STREQ(fault_side(rig.state.fault.code), "drive");
 }
 

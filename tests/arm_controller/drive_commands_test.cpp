@@ -1,5 +1,6 @@
 // The CiA 402 state machine from both sides, every state × every event, against the table of controller.md §4.4 written
-// out here by hand: which controlword the controller sends, and what each controlword's low byte and each statusword mean.
+// out here by hand: which controlword the controller sends, and what each controlword's low byte and each statusword
+// mean.
 #include <gtest/gtest.h>
 
 #include "arm_controller/drive_commands.hpp"

@@ -26,7 +26,8 @@ TEST(CyclicVelocity, IsConfiguredAndLeadsTheJointToTheSameGoal) {
   JointVector goal(5);
   goal << 0.4, 0.2, -0.3, 0.9, 0.2;
   rig.mailboxes.goal.put(rig.joint_goal(1, goal));
-  ASSERT_TRUE(rig.cycle_until([&] { return rig.last<GoalEvent>() && rig.last<GoalEvent>()->state == GoalState::kArrived; }, 3000));
+  ASSERT_TRUE(rig.cycle_until(
+      [&] { return rig.last<GoalEvent>() && rig.last<GoalEvent>()->state == GoalState::kArrived; }, 3000));
   EXPECT_NEAR(rig.state.q_reading_rad[1], 0.2, 2e-3);
 }
 

@@ -133,7 +133,8 @@ void FakeDrive::move() {
   }
   if (object(0x6060, 0) == 1) {
     if (bit_4_rose) profile_targets.push_back(target_counts);
-    if (!profile_targets.empty()) position_counts += std::clamp(profile_targets.back() - position_counts, -200.0, 200.0);
+    if (!profile_targets.empty())
+      position_counts += std::clamp(profile_targets.back() - position_counts, -200.0, 200.0);
     return;
   }
   position_counts += follow_per_cycle * (target_counts + residual_counts - position_counts);

@@ -1,5 +1,5 @@
-// SDO transfers byte by byte as CiA 301 describes them (controller.md §4.2): expedited, in segments, and all the ways in
-// which one can end.
+// SDO transfers byte by byte as CiA 301 describes them (controller.md §4.2): expedited, in segments, and all the ways
+// in which one can end.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -134,10 +134,10 @@ TEST_F(SdoTransfer, AbortsWhatIsLongerThanThereIsRoomAndWhatIsShorterThanAnnounc
 
 TEST_F(SdoTransfer, EveryAbortCodeOfTheSpecificationHasItsText) {
   for (const std::uint32_t code :
-       {0x05030000u, 0x05040000u, 0x05040001u, 0x05040005u, 0x06010000u, 0x06010001u, 0x06010002u, 0x06020000u, 0x06040041u,
-        0x06040042u, 0x06040043u, 0x06040047u, 0x06060000u, 0x06070010u, 0x06070012u, 0x06070013u, 0x06090011u,
-        0x06090030u, 0x06090031u, 0x06090032u, 0x06090036u, 0x060A0023u, 0x08000000u, 0x08000020u, 0x08000021u,
-        0x08000022u, 0x08000023u, 0x08000024u})
+       {0x05030000u, 0x05040000u, 0x05040001u, 0x05040005u, 0x06010000u, 0x06010001u, 0x06010002u,
+        0x06020000u, 0x06040041u, 0x06040042u, 0x06040043u, 0x06040047u, 0x06060000u, 0x06070010u,
+        0x06070012u, 0x06070013u, 0x06090011u, 0x06090030u, 0x06090031u, 0x06090032u, 0x06090036u,
+        0x060A0023u, 0x08000000u, 0x08000020u, 0x08000021u, 0x08000022u, 0x08000023u, 0x08000024u})
     EXPECT_STRNE(sdo_abort_text(code), sdo_abort_text(0xDEADBEEF)) << std::hex << code;
 }
 

@@ -46,7 +46,8 @@ TEST_P(SelfCheckDegrades, WhereADriveLacksIt) {
   rig.bus.drive(2).missing.insert(GetParam().object);
   ASSERT_TRUE(rig.power_up()) << fault_text(rig.state.fault);
   const std::string page = page_of(rig);
-  EXPECT_EQ(count(page, "DEGRADED  reactions: " + std::string(GetParam().line) + " refused: no such object"), 1) << page;
+  EXPECT_EQ(count(page, "DEGRADED  reactions: " + std::string(GetParam().line) + " refused: no such object"), 1)
+      << page;
 }
 
 INSTANTIATE_TEST_SUITE_P(Reactions, SelfCheckDegrades,
@@ -132,7 +133,8 @@ TEST(SelfCheckWrap, ADriveThatRebootedATurnOffIsRefusedToo) {
   rig.bus.drive(4).position_counts -= 32768.0;
   rig.bus.drive(4).sends_heartbeat = true;
   rig.order_mode(PowerWish::kHold, true);
-  ASSERT_TRUE(rig.cycle_until([&] { return rig.state.fault.code == FaultCode::kWholeTurn; }, 2000)) << fault_text(rig.state.fault);
+  ASSERT_TRUE(rig.cycle_until([&] { return rig.state.fault.code == FaultCode::kWholeTurn; }, 2000))
+      << fault_text(rig.state.fault);
 }
 
 }  // namespace

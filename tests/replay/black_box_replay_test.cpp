@@ -1,5 +1,5 @@
-// Only here: a node that reboots under way makes the real controller keep its last cycles; the host fetches them over the
-// link, and the same executable goes through them again, bit by bit. One bit of one frame changed is reported.
+// Only here: a node that reboots under way makes the real controller keep its last cycles; the host fetches them over
+// the link, and the same executable goes through them again, bit by bit. One bit of one frame changed is reported.
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -49,7 +49,8 @@ class BlackBoxOfTheProgram : public SystemTest {
     std::map<std::string, ChannelId> channels;
     RecordedMessage message;
     for (int seen = 0; reader.next(message);) {
-      if (!channels.count(message.topic)) channels[message.topic] = writer.add_channel(message.topic, message.message_type);
+      if (!channels.count(message.topic))
+        channels[message.topic] = writer.add_channel(message.topic, message.message_type);
       wire::CanRecord frame;
       const bool is_sample = message.topic == "/can" && frame.ParseFromString(message.data) && frame.id() == 0x183;
       if (is_sample && ++seen == 300) {

@@ -40,7 +40,8 @@ class Judge {
     ASSERT_GE(q1, std::min(force.min_rad[i], q0) - kSum_rad);
     // The samples belong to one curve with that jerk.
     ASSERT_NEAR(v1, v0 + a0 * kPeriod_s, 0.5 * J * kPeriod_s * kPeriod_s + 1e-15);
-    ASSERT_NEAR(q1, q0 + v0 * kPeriod_s + 0.5 * a0 * kPeriod_s * kPeriod_s, J * kPeriod_s * kPeriod_s * kPeriod_s / 6.0 + kRounding_rad);
+    ASSERT_NEAR(q1, q0 + v0 * kPeriod_s + 0.5 * a0 * kPeriod_s * kPeriod_s,
+                J * kPeriod_s * kPeriod_s * kPeriod_s / 6.0 + kRounding_rad);
   }
 
   /// Speed that ramping the acceleration away leaves, where that is more.

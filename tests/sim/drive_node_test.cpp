@@ -32,8 +32,10 @@ TEST(DriveStates, FollowTheControlwordFromEveryState) {
     EXPECT_EQ(next_drive_state(row.from, kDisableVoltage, 6, false), row.disable) << to_text(row.from);
     EXPECT_EQ(drive_state(state_bits(row.from)), row.from) << "statusword says what it is";
   }
-  EXPECT_EQ(next_drive_state(kQuickStopActive, kEnableOperation, 2, false), kQuickStopActive) << "option 2: no way back";
-  for (const DriveState state : {kNotReady, kSwitchOnDisabled, kReadyToSwitchOn, kSwitchedOn, kOperationEnabled, kQuickStopActive, kFaultReaction, kFault})
+  EXPECT_EQ(next_drive_state(kQuickStopActive, kEnableOperation, 2, false), kQuickStopActive)
+      << "option 2: no way back";
+  for (const DriveState state : {kNotReady, kSwitchOnDisabled, kReadyToSwitchOn, kSwitchedOn, kOperationEnabled,
+                                 kQuickStopActive, kFaultReaction, kFault})
     EXPECT_EQ(next_drive_state(state, kFaultReset, 6, true),
               state == kNotReady || state == kFaultReaction ? state : kSwitchOnDisabled)
         << to_text(state) << ": 0x80 resets a fault; elsewhere its low bits disable the voltage";

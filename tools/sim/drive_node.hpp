@@ -1,5 +1,5 @@
-// A simulated CiA 402 drive: the power state machine in front of a Motor. Modes: cyclic synchronous position and velocity,
-// profile position, and homing where it stands (methods 35, 37).
+// A simulated CiA 402 drive: the power state machine in front of a Motor. Modes: cyclic synchronous position and
+// velocity, profile position, and homing where it stands (methods 35, 37).
 //
 //   switch-on disabled ─06► ready ─07► switched on ─0F► operation enabled ─02 or lost─► quick stop active (holds)
 //          ▲ 00 from anywhere              fault ◄── following error ──┘      ▲──────0F, only after a release──┘

@@ -16,7 +16,8 @@ void print_object(DriveBench& bench, ObjectAddress object) {
   if (!answer) return;
   constexpr std::uint32_t kReadOnly = 0x06010002;
   const bool is_fixed = DriveBench().write(object.index, object.sub, answer->value, answer->size) == kReadOnly;
-  std::printf("object %04X %d %d %s %u\n", object.index, object.sub, answer->size, is_fixed ? "ro" : "rw", answer->value);
+  std::printf("object %04X %d %d %s %u\n", object.index, object.sub, answer->size, is_fixed ? "ro" : "rw",
+              answer->value);
 }
 
 void print_frame(const char* message, const CanFrame& frame, const std::string& signals) {
@@ -36,8 +37,10 @@ int main() {
   print_frame("Joint2_EMCY", encode(Emcy{0x8130, 0x11}, 2), "ErrorCode=33072 ErrorRegister=17");
   print_frame("Joint3_TPDO1", encode(Tpdo1{0x1237, -123456, -17}, 3), "Statusword=4663 Position=-123456 Torque=-17");
   print_frame("Hand_RPDO1", encode(Rpdo1{0x0F, 16000, -5}, 6), "Controlword=15 TargetPosition=16000 TorqueOffset=-5");
-  print_frame("Joint1_SDO_request", encode(SdoWrite{{0x1A00, 2}, 0x60640020, 4}, 1), "Command=35 Index=6656 SubIndex=2 Data=1617166368");
-  print_frame("Joint5_SDO_answer", encode(SdoReadAnswer{{0x6041, 0}, 0x0240, 2}, 5), "Command=75 Index=24641 SubIndex=0 Data=576");
+  print_frame("Joint1_SDO_request", encode(SdoWrite{{0x1A00, 2}, 0x60640020, 4}, 1),
+              "Command=35 Index=6656 SubIndex=2 Data=1617166368");
+  print_frame("Joint5_SDO_answer", encode(SdoReadAnswer{{0x6041, 0}, 0x0240, 2}, 5),
+              "Command=75 Index=24641 SubIndex=0 Data=576");
   print_frame("Joint4_Heartbeat", encode(Heartbeat{NmtState::kOperational}, 4), "State=5");
   print_frame("Controller_Heartbeat", encode(Heartbeat{NmtState::kOperational}, kControllerNode), "State=5");
 }
