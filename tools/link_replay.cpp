@@ -113,12 +113,15 @@ void print(const std::vector<std::string>& lines, int code) {
   if (code == 1 && first != nullptr) std::printf("%s: different, first: %s\n", kName, first->c_str());
 }
 
-bool is_black_box(const std::string& file) {
+bool is_black_box(const std::string& file) try {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw RecordingError(file + ": cannot be read");
   RecordingReader reader(in);
   RecordedMessage message;
   return reader.next(message) && message.topic == "/info" && reader.next(message) && message.topic == "/state";
+} catch (const RecordingError& error) {
+  const std::string what = error.what();
+  throw RecordingError(what.starts_with(file) ? what : file + ": " + what);
 }
 
 /// Becomes the controller; comes back only where there is none.

@@ -18,11 +18,12 @@ TEST_F(RealPace, ObeysTheExampleClientInPython) {
   std::vector<std::string> lines;
   const int code = conductor().run("client",
                                    {"/usr/bin/env", "PYTHONPATH=" + modules, "/usr/bin/python3",
-                                    ARMSIGHT_HOME "/protocol/examples/arm_client.py", arm().link(), "0.1"},
+                                    ARMSIGHT_HOME "/protocol/examples/arm_client.py", arm().link(), "0.4"},
                                    &lines);
   ASSERT_FALSE(lines.empty());
   EXPECT_EQ(code, 0) << lines.back();
-  EXPECT_TRUE(lines.back().starts_with("stopped after +0.0")) << lines.back();
+  EXPECT_TRUE(lines.back().starts_with("stopped after +0.")) << lines.back();
+  EXPECT_EQ(lines.back().find("+0.400"), std::string::npos) << "it was stopped under way: " << lines.back();
   EXPECT_EQ(arm().host({"status"}), 0);
   EXPECT_NE(line_of("joints:"), before) << "it moved";
   EXPECT_NE(line_of("mode:").find("hold"), std::string::npos) << line_of("mode:");
