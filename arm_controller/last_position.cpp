@@ -32,7 +32,7 @@ void save_last_position(const std::filesystem::path& folder, const RobotConfig& 
     std::snprintf(number, sizeof number, " %.9f", angle);
     text += number;
   }
-  write_file_atomically(folder / kFile, text + "\n");
+  write_file_atomically(folder / kFile, text + "\n", Durability::kUnsynced);
 }
 
 }  // namespace armsight::arm

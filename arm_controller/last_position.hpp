@@ -11,7 +11,8 @@ namespace armsight::arm {
 
 /// nullopt: no file, a damaged one, or another robot's; the self-check then says that nothing can be compared.
 std::optional<JointVector> load_last_position(const std::filesystem::path& folder, const RobotConfig& robot);
-/// Atomic. Throws std::runtime_error.
+/// Atomic, not synced: written every second, and a model that is being saved must not wait behind it.
+/// Throws std::runtime_error.
 void save_last_position(const std::filesystem::path& folder, const RobotConfig& robot, const JointVector& q_reading_rad);
 
 }  // namespace armsight::arm
