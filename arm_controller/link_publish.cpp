@@ -155,7 +155,7 @@ void LinkServer::watch_saving(Time now) {
 
 void LinkServer::publish_state(Time now) {
   next_state_ = now + kStatePeriod - seconds_to_duration(0.5 * robot_.controller.period_s);
-  if (sessions_.empty() || !state_.has_positions) return;
+  if (sessions_.empty()) return;
   wire::Envelope envelope;
   to_wire(state_, *envelope.mutable_arm_state());
   envelope.mutable_arm_state()->set_model_revision(std::min(state_.model.revision, revision_on_disk()));

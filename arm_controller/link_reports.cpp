@@ -58,10 +58,12 @@ wire::RefusalReason to_wire(Answer answer) {
 void to_wire(const ArmSnapshot& state, wire::ArmState& out) {
   out.set_arm_time_ns(to_ns(state.time));
   out.set_mode(to_wire(state.mode));
-  armsight::to_wire(state.q_reading_rad, out.mutable_q_reading_rad());
-  armsight::to_wire(state.speed_rad_s, out.mutable_speed_rad_s());
-  armsight::to_wire(state.q_command_rad, out.mutable_q_command_rad());
-  armsight::to_wire(state.torque_Nm, out.mutable_torque_nm());
+  if (state.has_positions) {
+    armsight::to_wire(state.q_reading_rad, out.mutable_q_reading_rad());
+    armsight::to_wire(state.speed_rad_s, out.mutable_speed_rad_s());
+    armsight::to_wire(state.q_command_rad, out.mutable_q_command_rad());
+    armsight::to_wire(state.torque_Nm, out.mutable_torque_nm());
+  }
   out.set_hand_closure(state.hand_closure);
   out.set_hand_effort_permille(state.hand_effort_permille);
   out.set_hand_is_moving(state.hand_is_moving);

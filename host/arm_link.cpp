@@ -85,7 +85,6 @@ void ArmLink::take(const wire::Envelope& message, Time arrival) {
     case wire::Envelope::kFilterReport: filter_reports_.push_back(message.filter_report()); break;
     case wire::Envelope::kFaultReport: fault_ = message.fault_report(); break;
     case wire::Envelope::kStatistics: statistics_ = message.statistics(); break;
-    case wire::Envelope::kStopReport: stop_ = message.stop_report(); break;
     case wire::Envelope::kBlackBoxChunk: chunk_ = message.black_box_chunk(); break;
     default: break;  // a newer controller may tell more than we know
   }
@@ -96,6 +95,7 @@ void ArmLink::take(const wire::Envelope& message, Time arrival) {
 void ArmLink::take_state(const wire::ArmState& state) {
   if (!is_sound(state)) return;
   state_ = state;
+  if (state.q_reading_rad().empty()) return;  // the joints have not reported yet
   recent_.push_back(state);
   if (recent_.size() > kRecentStates) recent_.pop_front();
 }

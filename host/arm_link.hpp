@@ -61,8 +61,6 @@ class ArmLink {
   const std::optional<wire::GoalStatus>& goal_status() const { return goal_status_; }
   const std::optional<wire::FaultReport>& fault() const { return fault_; }
   const std::optional<wire::ControllerStatistics>& statistics() const { return statistics_; }
-  /// The last stop that needed no clearing.
-  const std::optional<wire::StopReport>& last_stop() const { return stop_; }
   /// The next piece of a black box not taken yet.
   std::optional<wire::BlackBoxChunk> take_black_box_chunk() { return std::exchange(chunk_, std::nullopt); }
   /// The next filter report not taken yet.
@@ -96,7 +94,6 @@ class ArmLink {
   std::optional<wire::GoalStatus> goal_status_;
   std::optional<wire::FaultReport> fault_;
   std::optional<wire::ControllerStatistics> statistics_;
-  std::optional<wire::StopReport> stop_;
   std::optional<wire::BlackBoxChunk> chunk_;
   std::deque<wire::FilterReport> filter_reports_;
 };

@@ -75,6 +75,8 @@ JointVector to_joint_vector(const google::protobuf::RepeatedField<double>& value
 
 JointVector reading_now(HostIo& io) {
   const JointVector q = to_joint_vector(io.arm().state()->q_reading_rad());
+  if (q.size() == 0)
+    throw CommandFailed(std::string("arm controller: its joints do not report, mode ") + to_text(io.arm().state()->mode()));
   if (q.size() != io.robot().arm.joint_count()) throw PeerLost("arm controller: state with another number of joints");
   return q;
 }

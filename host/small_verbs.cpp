@@ -15,6 +15,11 @@ constexpr double kPoseOrientation_rad = 0.02;
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
 constexpr Duration kStatisticsTimeout = std::chrono::milliseconds(1200);  // the controller tells them every second
 
+std::string joints_text(HostIo& io) {
+  if (io.arm().state()->q_reading_rad().empty()) return "not known, they have not reported yet";
+  return degrees_text(reading_now(io)) + " deg read, " + degrees_text(real_now(io)) + " deg real";
+}
+
 }  // namespace
 
 void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const std::optional<Pose>& T_B_G,
@@ -58,7 +63,7 @@ void run_status(HostIo& io, std::ostream& out) {
   out << "controller: " << hello.program() << ", robot " << hello.robot() << ", bus " << hello.bus() << ", "
       << fixed(hello.rate_hz(), 0) << " Hz\n"
       << "mode:       " << to_text(state.mode()) << (state.is_still() ? ", still" : ", moving") << "\n"
-      << "joints:     " << degrees_text(reading_now(io)) << " deg read, " << degrees_text(real_now(io)) << " deg real\n"
+      << "joints:     " << joints_text(io) << "\n"
       << "hand:       " << fixed(100 * state.hand_closure(), 0) << " % closed\n"
       << "model:      revision " << model.revision << " (" << arm.model()->source() << "), offsets "
       << degrees_text(model.beta) << " deg\n";

@@ -46,6 +46,21 @@ TEST(Link, ShakesHandsAndTellsModelAndState) {
       rig.wait_for(peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().q_reading_rad_size() == 5; }));
 }
 
+TEST(Link, TellsItsModeBeforeTheJointsAreKnownAndWhyTheyAreNot) {
+  LinkRig rig;
+  rig.bus.drive(2).is_silent = true;
+  Peer peer(rig.link->port(), rig.clock);
+  peer.send(rig.hello(wire::ROLE_OBSERVE));
+  const auto first = rig.wait_for(peer, [](const auto& e) { return e.has_arm_state(); });
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->arm_state().q_reading_rad_size(), 0) << "an angle that nobody measured";
+  EXPECT_EQ(first->arm_state().q_command_rad_size(), 0);
+  const auto fault = rig.wait_for(
+      peer, [](const auto& e) { return e.has_arm_state() && e.arm_state().mode() == wire::MODE_FAULT; });
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->arm_state().fault_code(), static_cast<std::uint32_t>(FaultCode::kNodeAbsent));
+}
+
 TEST(Link, AnswersHeartbeatsWithTheFourStamps) {
   LinkRig rig;
   auto peer = rig.commander();
