@@ -37,7 +37,7 @@ TEST_F(ArmOnVcan, MovesTellsItsStateAndStops) {
   EXPECT_EQ(arm().host({"stop"}), 0);
   EXPECT_EQ(conductor().end("host"), 1) << "a move that was stopped did not arrive";
   ASSERT_EQ(arm().host({"status"}), 0);
-  EXPECT_NE(line_of("mode:").find("hold"), std::string::npos) << line_of("mode:");
+  EXPECT_NE(line_of("mode:").find("hold"), std::string::npos) << line_of("mode:") << "; " << line_of("fault:");
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ await_motion() {
   local i
   for ((i = 0; i < 300 * patience; ++i)); do
     [[ $(sed -n 's/.* 181#3712\(........\).*/\1/p' "$work/bus.log" | sort -u | wc -l) -gt 3 ]] && return 0
+    kill -0 "${pid[host]}" 2>/dev/null || break
     sleep 0.1
   done
   fail "the arm does not move: $(tail -n 2 "$work/host.err")"
