@@ -8,7 +8,9 @@
 
 #include "arm_controller/black_box_replay.hpp"
 #include "protocol/recording.hpp"
+#include "protocol/recording.pb.h"
 #include "tests/arm_controller/arm_rig.hpp"
+#include "tests/replay/edited_recording.hpp"
 
 namespace armsight::arm::test {
 namespace {
@@ -41,21 +43,9 @@ class BlackBoxFile : public ::testing::Test {
   }
 
   /// The same file with one message changed.
-  template <typename Edit>
-  fs::path edited(const Edit& edit) {
+  fs::path edited(const std::function<void(RecordedMessage&)>& edit) {
     const fs::path out_file = folder_ / "edited.mcap";
-    std::ifstream in(file_, std::ios::binary);
-    std::ofstream out(out_file, std::ios::binary);
-    RecordingReader reader(in);
-    RecordingWriter writer(out);
-    std::map<std::string, ChannelId> channels;
-    RecordedMessage message;
-    while (reader.next(message)) {
-      if (!channels.count(message.topic))
-        channels[message.topic] = writer.add_channel(message.topic, message.message_type);
-      edit(message);
-      writer.write(channels[message.topic], message.time, message.data);
-    }
+    armsight::test::edit_recording(file_, out_file, edit);
     return out_file;
   }
 

@@ -4,22 +4,21 @@
 #include <sys/un.h>
 
 #include <cstring>
-#include <fstream>
 
 #include "arm_controller/emulated_bus_wire.hpp"
 #include "protocol/descriptor.hpp"
-#include "protocol/recording.hpp"
 #include "protocol/recording.pb.h"
-#include "tests/system/system_rig.hpp"
+#include "tests/replay/edited_recording.hpp"
+#include "tests/system/real_pace_rig.hpp"
 
 namespace armsight::demo {
 namespace {
 
 namespace fs = std::filesystem;
 
-class BlackBoxOfTheProgram : public SystemTest {
+class BlackBoxOfTheProgram : public RealPace {
  protected:
-  /// A frame of nobody's onto the emulated bus.
+  /// A frame of nobody's onto the emulated bus: at real pace a stranger may send, in lockstep only listen.
   void inject(const CanFrame& frame) {
     const std::string line = arm().bus_line();
     const std::size_t begin = line.find(':') + 1;
@@ -42,23 +41,14 @@ class BlackBoxOfTheProgram : public SystemTest {
   /// The bit in the middle of the file's received position samples of node 3.
   fs::path with_one_bit_flipped(const fs::path& file) {
     const fs::path changed = folder_ / "changed.mcap";
-    std::ifstream in(file, std::ios::binary);
-    std::ofstream out(changed, std::ios::binary);
-    RecordingReader reader(in);
-    RecordingWriter writer(out);
-    std::map<std::string, ChannelId> channels;
-    RecordedMessage message;
-    for (int seen = 0; reader.next(message);) {
-      if (!channels.count(message.topic))
-        channels[message.topic] = writer.add_channel(message.topic, message.message_type);
+    int seen = 0;
+    test::edit_recording(file, changed, [&](RecordedMessage& message) {
       wire::CanRecord frame;
       const bool is_sample = message.topic == "/can" && frame.ParseFromString(message.data) && frame.id() == 0x183;
-      if (is_sample && ++seen == 300) {
-        (*frame.mutable_data())[3] = static_cast<char>(frame.data()[3] ^ 1);
-        message.data = frame.SerializeAsString();
-      }
-      writer.write(channels[message.topic], message.time, message.data);
-    }
+      if (!is_sample || ++seen != 100) return;
+      (*frame.mutable_data())[3] = static_cast<char>(frame.data()[3] ^ 1);
+      message.data = frame.SerializeAsString();
+    });
     return changed;
   }
 
@@ -67,8 +57,7 @@ class BlackBoxOfTheProgram : public SystemTest {
 };
 
 TEST_F(BlackBoxOfTheProgram, IsFetchedAndGoneThroughAgain) {
-  start(quiet_robot());
-  ASSERT_EQ(arm().host({"move", "--joints=0.2,-0.2,-0.2,1.0,0.0"}), 0);
+  go_to_start();
   inject(encode(Nmt{NmtCommand::kResetNode, 3}));
   conductor().run_cycles(100);
   const fs::path fetched = folder_ / "fetched.mcap";

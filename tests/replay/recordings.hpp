@@ -6,30 +6,21 @@
 #include <functional>
 #include <string>
 
-#include "protocol/recording.hpp"
 #include "protocol/recording.pb.h"
+#include "tests/replay/edited_recording.hpp"
 
 namespace armsight::replay {
 
 /// A copy in which `change` had its way with every message of the link.
 inline void copy_recording(const std::filesystem::path& from, const std::filesystem::path& to,
                            const std::function<void(wire::LinkRecord&)>& change) {
-  std::ifstream in(from, std::ios::binary);
-  std::ofstream out(to, std::ios::binary);
-  RecordingReader reader(in);
-  RecordingWriter writer(out, {"armsight tests"});
-  std::map<std::string, ChannelId> channels;
-  for (RecordedMessage message; reader.next(message);) {
-    if (!channels.contains(message.topic))
-      channels[message.topic] = writer.add_channel(message.topic, message.message_type);
-    if (message.topic == "/link") {
-      wire::LinkRecord record;
-      record.ParseFromString(message.data);
-      change(record);
-      message.data = record.SerializeAsString();
-    }
-    writer.write(channels[message.topic], message.time, message.data);
-  }
+  test::edit_recording(from, to, [&](RecordedMessage& message) {
+    if (message.topic != "/link") return;
+    wire::LinkRecord record;
+    record.ParseFromString(message.data);
+    change(record);
+    message.data = record.SerializeAsString();
+  });
 }
 
 inline std::string bytes_of(const std::filesystem::path& file) {
