@@ -10,14 +10,14 @@
 #include <thread>
 
 #include "tests/bench/bench_row.hpp"
-#include "tests/bench/simulated_arm.hpp"
+#include "tests/system/quiet_arm.hpp"
 
 namespace armsight::bench {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path programs() { return simulated_arm("lockstep").programs; }
+fs::path programs() { return demo::quiet_robot().programs; }
 
 std::string output_of(const std::string& command) {
   std::string text;
@@ -72,7 +72,9 @@ double status_kB(pid_t pid, const std::string& key) {
 Row resident_row() {
   Row row{"arm_controller, resident memory, locked, real pace", "MB", 0.0, {}, "", "at most 16 MB", false, {}};
   const TemporaryFolder folder;
-  demo::RunningArm arm(simulated_arm("real"), folder.path() / "run", false);
+  demo::DemoOptions options = demo::quiet_robot();
+  options.pace = "real";
+  demo::RunningArm arm(options, folder.path() / "run", false);
   std::this_thread::sleep_for(std::chrono::seconds(2));
   const pid_t pid = arm.conductor().find("arm_controller")->pid();
   row.ours = 1e-3 * status_kB(pid, "VmRSS");

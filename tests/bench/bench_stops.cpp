@@ -1,55 +1,22 @@
 // How long an arm under way goes on when a program is gone: in simulated time, read from the simulator's truth and from
 // the log of its bus, never from the controller's word.
 #include <cstdio>
-#include <fstream>
 #include <map>
 
 #include "tests/bench/bench_row.hpp"
-#include "tests/bench/simulated_arm.hpp"
+#include "tests/system/quiet_arm.hpp"
 
 namespace armsight::bench {
 namespace {
 
 constexpr double kStill_rad_s = 0.02;
 
-/// All joints at 0.6 rad/s, in the middle of a long way.
-bool start_moving(demo::RunningArm& arm) {
-  if (arm.host({"move", "--joints=0.2,-0.2,-0.2,1.0,0.0"}) != 0) return false;
-  arm.conductor().start("host", arm.host_command({"move", "--joints=1.4,0.7,-1.3,2.2,1.2", "--speed", "0.3"}));
-  arm.conductor().run_cycles(500);
-  return arm.conductor().find("host") != nullptr && !arm.conductor().find("host")->exit_code();
-}
-
-struct Frame {
-  double time_s;
-  unsigned id;
-  std::string data;
-};
-
-/// candump -L text; what is no frame is left out.
-std::vector<Frame> read_log(const std::filesystem::path& file) {
-  std::vector<Frame> frames;
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    Frame frame{};
-    char data[32] = "";
-    if (std::sscanf(line.c_str(), "(%lf) %*s %x#%31s", &frame.time_s, &frame.id, data) < 2) continue;
-    frame.data = data;
-    frames.push_back(frame);
-  }
-  return frames;
-}
-
-double speed_rad_s(const demo::TruthRow& a, const demo::TruthRow& b) {
-  return (b.q_true - a.q_true).cwiseAbs().maxCoeff() / (1e-9 * static_cast<double>(b.arm_time_ns - a.arm_time_ns));
-}
-
 /// From the kill to the last row that still moves.
 Row host_lost_row() {
   Row row{"host lost -> still, powered", "ms", 0.0, {}, "", "at most 200 ms + braking (110 ms)", false, {}};
   const TemporaryFolder folder;
-  demo::RunningArm arm(simulated_arm("lockstep"), folder.path() / "run", false);
-  if (!start_moving(arm)) return row.why = "the arm did not get under way", row;
+  demo::RunningArm arm(demo::quiet_robot(), folder.path() / "run", false);
+  if (!demo::start_slow_move(arm)) return row.why = "the arm did not get under way", row;
   const double killed_s = arm.conductor().time_s();
   arm.conductor().kill("host");
   arm.conductor().run_cycles(250);
@@ -65,7 +32,7 @@ Row host_lost_row() {
     const double time_s = 1e-9 * static_cast<double>(truth.rows[i].arm_time_ns);
     if (time_s < kill_in_trace_s) continue;
     if (at_kill == nullptr) at_kill = &truth.rows[i];
-    if (speed_rad_s(truth.rows[i], truth.rows[i + 1]) < kStill_rad_s) continue;
+    if (demo::speed_rad_s(truth, i) < kStill_rad_s) continue;
     row.ours = 1e3 * (time_s - kill_in_trace_s);
     way_rad = (truth.rows[i + 1].q_true - at_kill->q_true).cwiseAbs().maxCoeff();
   }
@@ -90,18 +57,18 @@ Row controller_killed_row() {
           false,
           {}};
   const TemporaryFolder folder;
-  demo::RunningArm arm(simulated_arm("lockstep"), folder.path() / "run", false);
-  if (!start_moving(arm)) return row.why = "the arm did not get under way", row;
+  demo::RunningArm arm(demo::quiet_robot(), folder.path() / "run", false);
+  if (!demo::start_slow_move(arm)) return row.why = "the arm did not get under way", row;
   arm.conductor().kill("arm_controller");
   arm.conductor().run_cycles(250);
   arm.conductor().kill("host");
   arm.finish();
   std::map<unsigned, double> last_set_point, emergency;
-  for (const Frame& frame : read_log(folder.path() / "run/sim/bus.log")) {
+  for (const auto& [time, interface, frame, is_error] : demo::read_bus_log(folder.path() / "run")) {
     const unsigned node = frame.id & 0x7F;
-    if ((frame.id & 0x780) == 0x200) last_set_point[node] = frame.time_s;
-    const bool is_emergency = (frame.id & 0x780) == 0x080 && node > 0 && frame.data.compare(0, 4, "0000") != 0;
-    if (is_emergency) emergency.emplace(node, frame.time_s);
+    const double time_s = 1e-9 * static_cast<double>(to_ns(time));
+    if ((frame.id & 0x780) == kRpdo1Base) last_set_point[node] = time_s;
+    if (demo::is_emergency(frame)) emergency.emplace(node, time_s);
   }
   for (unsigned node = 1; node <= 5; ++node) {
     if (!emergency.contains(node)) return row.why = "node " + std::to_string(node) + " reported nothing", row;
