@@ -1,10 +1,10 @@
 #include "arm_controller/fault.hpp"
 
 #include <cstdio>
-#include <numbers>
 
 #include "arm_controller/emergency.hpp"
 #include "protocol/can_frames.hpp"
+#include "shared/geometry.hpp"
 
 namespace armsight::arm {
 namespace {
@@ -37,7 +37,7 @@ std::string last_seen(const Fault& f, const char* what) {
   return std::string(", ") + what + " " + figure(1e-6 * static_cast<double>(f.age_ns), "ms ago");
 }
 
-std::string moved(const Fault& f) { return figure(f.moved_rad * 180.0 / std::numbers::pi, "deg"); }
+std::string moved(const Fault& f) { return figure(f.moved_rad / kDegree, "deg"); }
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "shared/geometry.hpp"
+
 namespace armsight::arm {
 namespace {
 
@@ -70,11 +72,24 @@ CheckLine settings_line(const NodeCheck& n, bool of_mapping) {
 }
 
 CheckLine wrap_line(const WrapCheck& w, std::uint8_t node) {
-  const double to_deg = 180.0 / std::numbers::pi;
-  if (!w.is_known) return {w.verdict, node, format("position: %.2f deg, not compared: none was saved", w.now_rad * to_deg)};
+  if (!w.is_known) return {w.verdict, node, format("position: %.2f deg, not compared: none was saved", w.now_rad / kDegree)};
   const char* rule = w.verdict == Verdict::kRefused ? ": about a whole turn" : "";
-  return {w.verdict, node, format("position: %.2f deg, %.2f deg from where it was last seen%s", w.now_rad * to_deg,
-                                  (w.now_rad - w.last_rad) * to_deg, rule)};
+  return {w.verdict, node, format("position: %.2f deg, %.2f deg from where it was last seen%s", w.now_rad / kDegree,
+                                  (w.now_rad - w.last_rad) / kDegree, rule)};
+}
+
+/// wrap: of a joint, or nullptr.
+std::vector<CheckLine> lines_of_node(const NodeCheck& n, const WrapCheck* wrap) {
+  std::vector<CheckLine> lines{identity_line(n)};
+  if (worst_of(lines) == Verdict::kRefused) return lines;
+  lines.push_back(units_line(n));
+  if (worst_of(lines) == Verdict::kRefused) return lines;
+  lines.push_back(settings_line(n, true));
+  lines.push_back(settings_line(n, false));
+  if (wrap != nullptr && n.is_ready) lines.push_back(wrap_line(*wrap, n.node));
+  if (n.fault.is_set() && worst_of(lines) != Verdict::kRefused)
+    lines.push_back({Verdict::kRefused, n.node, "reports: " + fault_text(n.fault)});
+  return lines;
 }
 
 }  // namespace
@@ -86,20 +101,6 @@ const char* to_text(Verdict verdict) noexcept {
 bool is_about_a_whole_turn(double moved_rad) noexcept {
   const double turns = std::round(moved_rad / (2.0 * std::numbers::pi));
   return turns != 0.0 && std::abs(moved_rad - turns * 2.0 * std::numbers::pi) < kWholeTurnSlack_rad;
-}
-
-/// wrap: of a joint, or nullptr.
-static std::vector<CheckLine> lines_of_node(const NodeCheck& n, const WrapCheck* wrap) {
-  std::vector<CheckLine> lines{identity_line(n)};
-  if (worst_of(lines) == Verdict::kRefused) return lines;
-  lines.push_back(units_line(n));
-  if (worst_of(lines) == Verdict::kRefused) return lines;
-  lines.push_back(settings_line(n, true));
-  lines.push_back(settings_line(n, false));
-  if (wrap != nullptr && n.is_ready) lines.push_back(wrap_line(*wrap, n.node));
-  if (n.fault.is_set() && worst_of(lines) != Verdict::kRefused)
-    lines.push_back({Verdict::kRefused, n.node, "reports: " + fault_text(n.fault)});
-  return lines;
 }
 
 std::vector<CheckLine> lines_of(const SelfCheck& check) {

@@ -13,12 +13,6 @@ constexpr double kDegenerate = 1e-9;       // sine below which two directions ar
 constexpr double kSameTrace = 1e-10;       // 1e-5 rad beside a goal that is met
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-/// The turn about `axis` (unit) by `angle`.
-Matrix3 turn(const Vector3& axis, double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return c * Matrix3::Identity() + s * skew(axis) + (1.0 - c) * axis * axis.transpose();
-}
-
 Vector3 turned(const Vector3& axis, double c, double s, const Vector3& v) {
   return c * v + s * axis.cross(v) + (1.0 - c) * axis.dot(v) * axis;
 }
@@ -109,7 +103,7 @@ class Search {
   }
 
   Matrix3 trace_form(const Elbow& elbow) const {
-    const Matrix3 G = elbow.R_shoulder * turn(arm_.axis[3], elbow.q4);
+    const Matrix3 G = elbow.R_shoulder * so3_exp(elbow.q4 * arm_.axis[3]);
     const Matrix3 W = arm_.R_B_H * goal_.R.transpose();
     const auto parts = [](const Vector3& n) {
       const Matrix3 along = n * n.transpose();
@@ -127,7 +121,7 @@ class Search {
   /// The free optimum: the forearm turned into the plane of the axis and the goal's own forearm. Where one of them lies
   /// on the axis every swivel is as good, and the seed's is taken.
   void try_free(const Elbow& elbow) {
-    const Vector3 forearm = elbow.R_shoulder * (turn(arm_.axis[3], elbow.q4) * arm_.axis[4]);
+    const Vector3 forearm = elbow.R_shoulder * (so3_exp(elbow.q4 * arm_.axis[3]) * arm_.axis[4]);
     const Vector3 wanted = goal_.R * (arm_.R_B_H.transpose() * arm_.axis[4]);
     const std::optional<double> swivel = angle_about(elbow.axis, forearm, wanted);
     try_swivel(elbow, swivel ? *swivel : swivel_of_seed(elbow), Edges::kExcluded);
@@ -144,13 +138,13 @@ class Search {
     }
     for (const JointVector* limits : {&min_, &max_}) {
       const JointVector& q = *limits;
-      try_roots(elbow, turn(a1, q[0]) * a2, v, 0.0);                                // R123 a3 lies in joint 2's plane
-      try_roots(elbow, a1, v, a1.dot(turn(a2, q[1]) * a3));                         // a1 sees a3 under a fixed angle
-      try_roots(elbow, a1, elbow.R_shoulder * (turn(a3, -q[2]) * a2), 0.0);         // joint 2's axis is ⟂ a1
+      try_roots(elbow, so3_exp(q[0] * a1) * a2, v, 0.0);                 // R123 a3 lies in joint 2's plane
+      try_roots(elbow, a1, v, a1.dot(so3_exp(q[1] * a2) * a3));          // a1 sees a3 under a fixed angle
+      try_roots(elbow, a1, elbow.R_shoulder * (so3_exp(-q[2] * a3) * a2), 0.0);  // joint 2's axis is ⟂ a1
     }
   }
 
-  /// Both ψ with x · turn(axis, ψ) y = value.
+  /// Both ψ with x · exp(ψ axis) y = value.
   void try_roots(const Elbow& elbow, const Vector3& x, const Vector3& y, double value) {
     const double constant = x.dot(elbow.axis) * elbow.axis.dot(y);
     const double c = x.dot(y) - constant, s = x.dot(elbow.axis.cross(y)), r = std::hypot(c, s);
@@ -167,7 +161,8 @@ class Search {
   };
 
   double swivel_of_seed(const Elbow& elbow) const {
-    const Matrix3 R = turn(arm_.axis[0], seed_[0]) * turn(arm_.axis[1], seed_[1]) * turn(arm_.axis[2], seed_[2]);
+    const Matrix3 R =
+        so3_exp(seed_[0] * arm_.axis[0]) * so3_exp(seed_[1] * arm_.axis[1]) * so3_exp(seed_[2] * arm_.axis[2]);
     return angle_about(elbow.axis, elbow.R_shoulder * arm_.axis[3], R * arm_.axis[3]).value_or(0.0);
   }
 
