@@ -1,8 +1,8 @@
 // arm_sim's loop: clock, bus, robot and camera together, in lockstep or at the machine's pace.
 //
-//   lockstep:  Grant(k) … Done(k) ► frames of k onto the bus ► [t_k, t_k+1): bus and robot, event by event ► camera ►
-//   k+1 real:      whatever has come ► bus and robot up to now ► sleep until the next event; the camera has its own
-//   thread
+//   lockstep:  Grant(k) … Done(k) ► frames of k onto the bus ► [t_k, t_k+1): bus and robot, event by event ►
+//              camera ► k+1
+//   real:      whatever has come ► bus and robot up to now ► sleep until the next event; the camera has its own thread
 #pragma once
 
 #include <filesystem>
