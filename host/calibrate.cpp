@@ -20,6 +20,9 @@ constexpr double kLearnMargin_rad = 0.16;        // offsets up to 8 degrees, and
 constexpr double kControllerMargin_rad = 0.01;
 constexpr int kSolveFrom = 6;               // looks from which the batch solution replaces the filter's guess
 constexpr int kPlanAheadFrom = 8;           // looks from which a whole tour is planned at once
+constexpr int kMissesToDoubt = 3;           // in a row: the guess is wrong, e.g. from the wrong planar solution
+constexpr int kMissesToSearch = 8;          // in a row: what was seen is lost
+constexpr double kNearby_rad = 0.25;        // keeps a marker that was seen in the picture, whatever the guess
 
 class Learn {
  public:
@@ -38,6 +41,7 @@ class Learn {
   void take(const LookTaken& taken);
   void visit(const JointVector& q_plan);
   void plan();
+  bool plan_nearby();
   CalibrationOptions learn_options() const;
 
   HostIo& io_;
@@ -51,12 +55,18 @@ class Learn {
   std::vector<JointVector> visited_;  ///< real angles as planned: not again
   std::vector<Vector3> hidden_;       ///< places in C where the marker was not seen
   std::vector<JointVector> queue_;    ///< planned, next last
+  int misses_ = 0;                    ///< postures in a row that did not show the marker
+  bool is_solved_ = false;            ///< the guess is a batch solution's
 };
 
 void Learn::gather() {
   take(find_marker(io_, looker_, options_.frames, progress_).taken);
   while (!is_enough()) {
     if (record.attempts >= options_.max_attempts) return;
+    if (misses_ >= kMissesToSearch && !is_solved_) {
+      take(find_marker(io_, looker_, options_.frames, progress_).taken);
+      continue;
+    }
     if (queue_.empty() || static_cast<int>(samples_.size()) < kPlanAheadFrom) plan();
     if (queue_.empty()) {
       progress_ << "plan: no further posture shows the marker" << std::endl;
@@ -75,7 +85,22 @@ bool Learn::is_enough() const {
   return std::all_of(samples_.begin(), samples_.end(), is_known);
 }
 
+// Where the guess misled thrice, looks beside the last good one need no guess, and mend it.
+bool Learn::plan_nearby() {
+  if (misses_ < kMissesToDoubt || is_solved_) return false;
+  if (misses_ == kMissesToDoubt) {
+    progress_ << "plan: the marker is not where one look says; looking beside the last one" << std::endl;
+    hidden_.clear();
+  }
+  const JointVector seen = samples_.back().q_reading + guess_.model().beta;
+  const ArmModel& arm = io_.robot().arm;
+  const JointVector lower = arm.limits.min_rad.array() + kLearnMargin_rad, upper = arm.limits.max_rad.array() - kLearnMargin_rad;
+  queue_ = {posture_near(seen, kNearby_rad, lower, upper, record.attempts)};
+  return true;
+}
+
 void Learn::plan() {
+  if (plan_nearby()) return;
   PlanProblem problem = plan_problem(io_, guess_.model().T_C_B, guess_.covariance(), kLearnMargin_rad);
   problem.hidden = hidden_;
   const int missing = options_.looks - static_cast<int>(samples_.size());
@@ -107,6 +132,7 @@ void Learn::visit(const JointVector& q_plan) {
   }
   progress_ << "posture " << degrees_text(q_goal) << ": " << taken.why << std::endl;
   files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"learn"}));
+  ++misses_;
   hidden_.push_back((predicted * io_.robot().arm.T_H_M).p);
   queue_.clear();  // plan again
 }
@@ -118,10 +144,12 @@ void Learn::take(const LookTaken& taken) {
   io_.compute([&] { looks_.add(sample); });  // a disk may take longer than the lease lives
   record.looks.push_back({sample.q_reading, sample.arm_time_ns, look.reprojection_px, sample.image});
   samples_.push_back(std::move(sample));
+  misses_ = 0;
   guess_.take(samples_);
   if (static_cast<int>(samples_.size()) >= kSolveFrom) {
     const ArmCalibration calibration = solve(false);
     if (calibration.accepted) guess_.take(calibration);
+    is_solved_ |= calibration.accepted;
   }
   progress_ << "look " << samples_.size() << "/" << options_.looks << ": joints " << degrees_text(taken.q_reading)
             << " deg, " << fixed(look.reprojection_px, 2) << " px, hand known to "

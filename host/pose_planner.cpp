@@ -113,6 +113,13 @@ JointVector spread_posture(const JointVector& min_rad, const JointVector& max_ra
   return q;
 }
 
+JointVector posture_near(const JointVector& q, double reach_rad, const JointVector& min_rad, const JointVector& max_rad,
+                         int i) {
+  const JointVector lower = (q.array() - reach_rad).max(min_rad.array()).min(max_rad.array());
+  const JointVector upper = (q.array() + reach_rad).min(max_rad.array()).max(min_rad.array());
+  return spread_posture(lower, upper, i);
+}
+
 std::vector<CandidateLook> visible_postures(const PlanProblem& problem, int wanted, double unsure_sigmas,
                                             const std::vector<JointVector>& avoid, double min_distance_rad) {
   std::vector<CandidateLook> found;

@@ -13,6 +13,10 @@ namespace armsight::host {
 /// The i-th point of an even, fixed sequence over the box [min, max] (i from 0).
 JointVector spread_posture(const JointVector& min_rad, const JointVector& max_rad, int i);
 
+/// The i-th of postures spread over the box of ± reach_rad about q, cut to [min, max].
+JointVector posture_near(const JointVector& q, double reach_rad, const JointVector& min_rad, const JointVector& max_rad,
+                         int i);
+
 struct PlanProblem {
   SerialChain chain;
   JointVector min_rad, max_rad;  ///< of real angles, safety margin already taken off

@@ -159,5 +159,22 @@ TEST(PosePlanner, SamePlanTwiceAndNoneWhereNothingIsVisible) {
   EXPECT_TRUE(plan_looks(p, 5, {}, JointVector::Zero(5), false).empty());
 }
 
+TEST(PosePlanner, PosturesNearStayNearAndInsideTheLimits) {
+  const JointVector lower = JointVector::Constant(3, -1.0), upper = JointVector::Constant(3, 1.0);
+  JointVector q(3);
+  q << 0.9, -1.4, 0.0;  // one beside its limit, one beyond
+  JointVector least = upper, most = lower;
+  for (int i = 0; i < 50; ++i) {
+    const JointVector near = posture_near(q, 0.25, lower, upper, i);
+    EXPECT_TRUE((near.array() >= lower.array()).all() && (near.array() <= upper.array()).all());
+    EXPECT_LE(std::abs(near[0] - q[0]), 0.25);
+    EXPECT_LE(std::abs(near[2] - q[2]), 0.25);
+    least = least.cwiseMin(near);
+    most = most.cwiseMax(near);
+  }
+  EXPECT_GT(most[2] - least[2], 0.4) << "they are spread";
+  EXPECT_GT(most[0] - least[0], 0.25);
+}
+
 }  // namespace
 }  // namespace armsight::host
