@@ -209,7 +209,9 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
   add(encode(Sync{sync_counter_}));
   for (int i = 0; i < joint_count_; ++i) {
     const double q = i < command.q_rad.size() ? command.q_rad[i] : samples_.q_rad[i];
-    if (const auto frame = joint_node(i).set_point(target_counts(i, q))) add(*frame);
+    const double bend = i < command.bend_rad.size() ? command.bend_rad[i] : 0.0;
+    const auto bend_counts = static_cast<std::int32_t>(std::lround(bend / turn(drives_[static_cast<std::size_t>(i)])));
+    if (const auto frame = joint_node(i).set_point(target_counts(i, q), bend_counts)) add(*frame);
   }
   const double stroke = hand_.closed_counts - hand_.open_counts;
   const bool goes_by_itself = hand_.mode == DriveMode::kProfilePosition;

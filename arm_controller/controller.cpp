@@ -11,7 +11,7 @@ Controller::Controller(const RobotConfig& robot, const StartModel& start)
     : arm_(robot.arm), period_s_(robot.controller.period_s), history_(seconds_to_duration(robot.controller.period_s)),
       watch_(robot.arm.joint_count(), robot.controller.still_speed_rad_s, robot.controller.still_time_s,
              robot.controller.period_s),
-      motion_(robot), hand_(robot.controller.period_s), adaptation_(robot, start) {
+      motion_(robot), soft_(robot.soft), hand_(robot.controller.period_s), adaptation_(robot, start) {
   output_.command.q_rad = JointVector::Zero(arm_.joint_count());
 }
 
@@ -129,10 +129,11 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
   JointCommand& command = output_.command;
   const bool is_driven = mode_ == Mode::kHold || mode_ == Mode::kServo || mode_ == Mode::kStopping;
   command.q_rad = is_driven ? motion_.command_rad() : joints.q_rad;
+  step_soft_joints(joints, is_driven);
   command.hand_closure = hand_.command();
   command.hand_goal = hand_.target();
   command.hand_force_permille = hand_.force_limit_permille();
-  if (is_driven && !(command.q_rad.allFinite() && std::isfinite(command.hand_closure))) {
+  if (is_driven && !(command.q_rad.allFinite() && command.bend_rad.allFinite() && std::isfinite(command.hand_closure))) {
     raise(now, {FaultCode::kNotFinite});
     command.q_rad = joints.q_rad;
     command.hand_closure = command.hand_goal = joints.hand_closure;
@@ -145,6 +146,14 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
                                  : PowerRequest::kQuickStop;
   command.recover = wants_recover_;
   wants_recover_ = false;
+}
+
+// Before power comes the drives' targets are bent already: an enabled drive then stands where the link is.
+void Controller::step_soft_joints(const JointSamples& joints, bool is_driven) noexcept {
+  JointCommand& command = output_.command;
+  if (!is_driven) soft_.reset();
+  soft_.step(command.q_rad, joints.q_rad, adaptation_.model().beta, is_driven && motion_.is_at_rest(), period_s_);
+  command.bend_rad = soft_.offset_rad();
 }
 
 void Controller::announce_model() noexcept {

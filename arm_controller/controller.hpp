@@ -51,6 +51,7 @@ class Controller {
   void end_goal(GoalState state, const char* text) noexcept;
   void step_motion(Time now) noexcept;
   void step_command(const JointSamples& joints, Time now) noexcept;
+  void step_soft_joints(const JointSamples& joints, bool is_driven) noexcept;
   void announce_model() noexcept;
   void fill_snapshot(const JointSamples& joints) noexcept;
   template <typename E>
@@ -72,6 +73,7 @@ class Controller {
   JointHistory history_;
   StillnessWatch watch_;
   Motion motion_;
+  SoftJoints soft_;
   Hand hand_;
   Adaptation adaptation_;
   std::uint64_t goal_ = 0;        ///< under way, or last reached

@@ -34,6 +34,7 @@ struct JointCommand {
   PowerRequest power = PowerRequest::kOff;
   bool recover = false;  ///< forget the fault, reset drives, configure again what was lost
   JointVector q_rad;     ///< targets as readings; used only where the phase is kPowered
+  JointVector bend_rad;  ///< what a drive's target lies beyond the link's angle (soft joints); empty: nothing
   double hand_closure = 0.0;
   double hand_goal = 0.0;  ///< where the closure is led to: for a drive that goes there by itself
   std::uint16_t hand_force_permille = 1000;

@@ -42,7 +42,7 @@ class Node {
   /// After all frames of a cycle; sync_answered: a SYNC went out since the last call, so a TPDO1 was due.
   void advance(Time now, bool sync_answered, PowerRequest power) noexcept;
   /// RPDO1 for this cycle; nullopt: the node takes none now. target_counts counts only once it follows.
-  std::optional<CanFrame> set_point(std::int32_t target_counts) noexcept;
+  std::optional<CanFrame> set_point(std::int32_t target_counts, std::int32_t bend_counts = 0) noexcept;
   /// One asynchronous frame, after the RPDOs.
   std::optional<CanFrame> service_frame(Time now) noexcept;
 

@@ -24,7 +24,7 @@ std::int32_t to_counts(double value) noexcept {
 
 }  // namespace
 
-std::optional<CanFrame> Node::set_point(std::int32_t target_counts) noexcept {
+std::optional<CanFrame> Node::set_point(std::int32_t target_counts, std::int32_t bend_counts) noexcept {
   if (phase_ != NodePhase::kReady) return std::nullopt;
   const bool is_led = is_following() && controlword_ == kEnableOperation;
   if (!is_led) {
@@ -32,7 +32,7 @@ std::optional<CanFrame> Node::set_point(std::int32_t target_counts) noexcept {
     profile_target_.reset();
     profile_is_new_ = false;
   }
-  Rpdo1 command{controlword_, is_led ? target_counts : feedback_.position_counts, 0};
+  Rpdo1 command{controlword_, (is_led ? target_counts : feedback_.position_counts) + bend_counts, 0};
   if (options_.script.mode == DriveMode::kCyclicVelocity)
     command.target_counts = is_led ? velocity_counts_s(target_counts) : 0;
   if (is_led && options_.script.mode == DriveMode::kProfilePosition)

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "protocol/config_soft.hpp"
 #include "protocol/config_values.hpp"
 
 namespace armsight {
@@ -99,6 +100,11 @@ void read_joints(const YamlValue& root, std::set<std::int64_t>& nodes, RobotConf
     read_limits(joints[i], joint, limits);
     const double farthest_rad = std::max(std::abs(limits.min_rad[joint]), std::abs(limits.max_rad[joint]));
     out.drives.push_back(read_drive(joints[i].key("drive"), nodes, farthest_rad));
+    out.soft.links[i] = read_link_mass(joints[i]);
+    out.soft.springs[i] = read_spring(joints[i]);
+    const bool is_led_by_position = out.drives.back().mode == DriveMode::kCyclicPosition;
+    if (out.soft.is_soft(static_cast<int>(i)) && !is_led_by_position)
+      joints[i].refuse("a joint with a spring needs drive mode csp: its target is moved by the spring's bend");
   }
 }
 
@@ -211,6 +217,8 @@ RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   if (const YamlValue base = root.optional_key("base_to_joint1"); base.exists())
     out.arm.chain.T_B_0 = read_frame(base);
   read_joints(root, nodes, out);
+  out.soft.chain = out.arm.chain;
+  out.soft.gravity_m_s2 = out.gravity_m_s2;
   out.hand = read_hand(root.key("hand"), nodes);
   const YamlValue marker = root.key("hand_marker");
   out.hand_marker = read_marker(marker);

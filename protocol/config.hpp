@@ -13,6 +13,7 @@
 #include "protocol/config_error.hpp"
 #include "shared/arm_model.hpp"
 #include "shared/joint_offset_ekf.hpp"
+#include "shared/soft_joints.hpp"
 
 namespace armsight {
 
@@ -68,6 +69,7 @@ struct RobotConfig {
   ArmModel arm;                          ///< T_H_M from hand_marker
   std::vector<std::string> joint_names;
   std::vector<DriveConfig> drives;       ///< one a joint
+  SoftArm soft;                          ///< masses and springs
   HandConfig hand;
   MarkerConfig hand_marker;
   Pose camera_hint_T_C_B;

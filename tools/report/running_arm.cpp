@@ -37,7 +37,8 @@ RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool
     : options_(options),
       run_dir_(prepared(fs::absolute(run_dir))),
       conductor_(run_dir_ / "programs.log", is_verbose) {
-  std::vector<std::string> arguments{"--robot",  options_.robot_file.string(),
+  const fs::path& true_robot = options_.true_robot_file.empty() ? options_.robot_file : options_.true_robot_file;
+  std::vector<std::string> arguments{"--robot",  true_robot.string(),
                                      "--scene",  (options_.home / "tools/sim/scene.yaml").string(),
                                      "--seed",   std::to_string(options_.seed),
                                      "--noise",  options_.noise,

@@ -12,14 +12,17 @@ constexpr double kMaxSpeed_rad_s = 6.0;               // actuator, specification
 constexpr double kMaxAcceleration_rad_s2 = 60.0;
 constexpr double kQuickStop_rad_s2 = 20.0;
 constexpr double kCreep_rad_s = 1.0;                  // of the joint's zero, when it drifts
+constexpr double kSpringTime_s = 0.05;
 constexpr double kFollowingWindow_rad = 0.35;
 constexpr double kStiffness_permille_rad = 8000.0;    // torque shown for the distance between target and joint
 
 }  // namespace
 
-Joint::Joint(const JointTruth& truth, double start_rad)
-    : truth_(truth), beta_goal_rad_(truth.beta_rad), q_(start_rad) {
-  target_reading_rad_ = reading_rad();
+Joint::Joint(const JointTruth& truth, double start_rad, double load_Nm)
+    : truth_(truth), beta_goal_rad_(truth.beta_rad), motor_(start_rad) {
+  if (truth.spring.k_Nm > 0.0) bend_ = spring_deflection(truth.spring, load_Nm);
+  motor_ -= bend_;
+  target_reading_rad_ = motor_reading_rad();
 }
 
 double Joint::counts_to_rad(double counts) const {
@@ -29,19 +32,26 @@ double Joint::counts_to_rad(double counts) const {
 /// The drive closes its loop on its own encoder and settles beside the target by its residual.
 double Joint::wanted_speed() const {
   if (mode_ != MotorMode::kFollow) return 0.0;
-  const double behind = target_reading_rad_ + truth_.servo_residual.at(q_) - reading_rad();
+  const double behind = target_reading_rad_ + truth_.servo_residual.at(motor_) - motor_reading_rad();
   const double braking = std::sqrt(2.0 * kMaxAcceleration_rad_s2 * std::abs(behind));
   return std::copysign(std::min({std::abs(behind) / kFollowTime_s, braking, kMaxSpeed_rad_s}), behind);
 }
 
-void Joint::step(double dt_s) {
+void Joint::step(double dt_s, double load_Nm) {
   truth_.beta_rad += std::clamp(beta_goal_rad_ - truth_.beta_rad, -kCreep_rad_s * dt_s, kCreep_rad_s * dt_s);
   const double limit = (mode_ == MotorMode::kFollow ? kMaxAcceleration_rad_s2 : kQuickStop_rad_s2) * dt_s;
   speed_ += std::clamp(wanted_speed() - speed_, -limit, limit);
-  q_ += speed_ * dt_s;
-  if (q_ >= truth_.min_rad && q_ <= truth_.max_rad) return;
-  q_ = std::clamp(q_, truth_.min_rad, truth_.max_rad);
+  motor_ += speed_ * dt_s;
+  bend(dt_s, load_Nm);
+  if (motor_ >= truth_.min_rad && motor_ <= truth_.max_rad) return;
+  motor_ = std::clamp(motor_, truth_.min_rad, truth_.max_rad);
   speed_ = 0.0;
+}
+
+/// Damped into the balance of spring and load.
+void Joint::bend(double dt_s, double load_Nm) {
+  if (truth_.spring.k_Nm > 0.0)
+    bend_ += std::min(1.0, dt_s / kSpringTime_s) * (spring_deflection(truth_.spring, load_Nm) - bend_);
 }
 
 std::int32_t Joint::position_counts() {
@@ -52,7 +62,7 @@ std::int32_t Joint::position_counts() {
 
 std::int16_t Joint::torque_permille() const {
   if (mode_ == MotorMode::kOff) return 0;
-  const double behind = mode_ == MotorMode::kFollow ? target_reading_rad_ - reading_rad() : 0.0;
+  const double behind = mode_ == MotorMode::kFollow ? target_reading_rad_ - motor_reading_rad() : 0.0;
   return static_cast<std::int16_t>(std::clamp(kStiffness_permille_rad * behind * truth_.drive.sign, -1000.0, 1000.0));
 }
 

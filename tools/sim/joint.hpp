@@ -1,8 +1,10 @@
 // One true joint behind a position drive: follows its target first-order within speed and acceleration, brakes on a
-// quick-stop ramp, stops at the mechanical ends.
+// quick-stop ramp, stops at the mechanical ends. A soft joint's drive turns a spring whose other end, the link, is bent
+// away by its load and is what the encoder sees.
 #pragma once
 
 #include "protocol/config.hpp"
+#include "shared/spring.hpp"
 #include "tools/sim/motor.hpp"
 #include "tools/sim/smooth_error.hpp"
 
@@ -15,16 +17,18 @@ struct JointTruth {
   double jitter_rad = 0.0;
   double min_rad = 0.0, max_rad = 0.0;  ///< mechanical ends, real angles
   Random jitter{0, 0};
+  Spring spring{};                      ///< k_Nm = 0: stiff
 };
 
 class Joint : public Motor {
  public:
-  Joint(const JointTruth& truth, double start_rad);
+  /// The link stands at start_rad under load_Nm: what it needs to be held, gravity's share.
+  Joint(const JointTruth& truth, double start_rad, double load_Nm = 0.0);
 
-  void step(double dt_s);
+  void step(double dt_s, double load_Nm = 0.0);
   /// The zero creeps there within a tenth of a second: offsets drift, they do not jump (a jump is an encoder fault).
   void set_beta(double beta_rad) { beta_goal_rad_ = beta_rad; }
-  double q_rad() const { return q_; }
+  double q_rad() const { return motor_ + bend_; }
   double speed_rad_s() const { return speed_; }
 
   std::int32_t position_counts() override;
@@ -34,13 +38,16 @@ class Joint : public Motor {
   std::uint32_t following_window_counts() const override;
 
  private:
-  double reading_rad() const { return q_ - truth_.beta_rad - truth_.encoder_error.at(q_); }
+  double reading_rad() const { return q_rad() - truth_.beta_rad - truth_.encoder_error.at(q_rad()); }
+  double motor_reading_rad() const { return motor_ - truth_.beta_rad - truth_.encoder_error.at(motor_); }
   double counts_to_rad(double counts) const;
   double wanted_speed() const;
+  void bend(double dt_s, double load_Nm);
 
   JointTruth truth_;
   double beta_goal_rad_;
-  double q_, speed_ = 0.0;
+  double motor_, speed_ = 0.0;  ///< the drive's end; of a stiff joint the link itself
+  double bend_ = 0.0;           ///< link − motor
   MotorMode mode_ = MotorMode::kOff;
   double target_reading_rad_ = 0.0;
 };

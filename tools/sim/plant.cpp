@@ -41,6 +41,7 @@ struct Plant::Impl {
   Time time;
   std::vector<Joint> joints;
   std::unique_ptr<Fingers> fingers;
+  SoftArm soft;
   JointVector q;
   Pose T_B_O, T_H_O;
   std::vector<GraspRecord> grasps;
@@ -49,6 +50,7 @@ struct Plant::Impl {
   std::vector<Sample> newest;  ///< not yet in the history: the camera was reading it
 
   Pose hand() const { return forward_kinematics(truth.chain, q); }
+  JointVector loads() const;
   void step(double dt_s);
   bool touch();
   void remember();
@@ -61,6 +63,8 @@ Plant::Plant(const RobotConfig& robot, const Scene& scene, Truth truth, Time sta
   plant.time = start;
   plant.T_B_O = plant.truth.T_B_O;
   plant.q = plant.truth.start_rad;
+  plant.soft = robot.soft;
+  const JointVector load = plant.loads();
   const NoiseFigures figures = noise_figures(plant.truth.noise);
   for (int i = 0; i < robot.arm.joint_count(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -71,9 +75,10 @@ Plant::Plant(const RobotConfig& robot, const Scene& scene, Truth truth, Time sta
     joint.servo_residual = plant.truth.servo_residual[k];
     joint.jitter_rad = figures.encoder_jitter_rad;
     joint.jitter = Random(plant.truth.seed, kForJitter, k);
+    joint.spring = robot.soft.springs[k];
     joint.min_rad = robot.arm.limits.min_rad[i] - kMechanicalMargin_rad;
     joint.max_rad = robot.arm.limits.max_rad[i] + kMechanicalMargin_rad;
-    plant.joints.emplace_back(joint, plant.q[i]);
+    plant.joints.emplace_back(joint, plant.q[i], load[i]);
   }
   plant.fingers = std::make_unique<Fingers>(robot.hand, [this] { return impl_->touch(); });
   plant.remember();
@@ -90,9 +95,16 @@ bool Plant::Impl::touch() {
   return record.is_held;
 }
 
+/// What the links need to be held; nobody asks where no spring gives way.
+JointVector Plant::Impl::loads() const {
+  if (!soft.has_springs()) return JointVector::Zero(q.size());
+  return gravity_torque(truth.chain, soft.links, soft.gravity_m_s2, q);
+}
+
 void Plant::Impl::step(double dt_s) {
+  const JointVector load = loads();
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    joints[i].step(dt_s);
+    joints[i].step(dt_s, load[static_cast<Eigen::Index>(i)]);
     q[static_cast<Eigen::Index>(i)] = joints[i].q_rad();
   }
   fingers->step(dt_s);
