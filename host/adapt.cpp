@@ -15,7 +15,6 @@ namespace armsight::host {
 namespace {
 
 constexpr double kAdaptMargin_rad = 0.10;   // drifted offsets, and the controller's own margin
-constexpr Duration kReportTimeout = std::chrono::seconds(2);
 
 class Adapt {
  public:
@@ -117,13 +116,13 @@ void Adapt::fuse(const LookTaken& taken) {
   std::optional<wire::FilterReport> report;
   const auto is_refused = [&] { return io_.arm().outcome(sequence) && !io_.arm().outcome(sequence)->is_accepted; };
   const auto is_answered = [&] { return (report = io_.arm().take_filter_report()) || is_refused(); };
-  if (!io_.wait_until(is_answered, kReportTimeout)) throw PeerLost("arm controller: no filter report within 2 s");
+  if (!io_.wait_until(is_answered, kModelTimeout)) throw PeerLost("arm controller: no filter report within 20 s");
   if (!report) {
     progress_ << "look refused: " << io_.arm().outcome(sequence)->text << std::endl;
     return;
   }
   const auto has_model = [&] { return io_.arm().model()->revision() >= report->model_revision(); };
-  if (!io_.wait_until(has_model, kReportTimeout)) throw PeerLost("arm controller: the filter's model did not come within 2 s");
+  if (!io_.wait_until(has_model, kModelTimeout)) throw PeerLost("arm controller: the filter's model did not come within 20 s");
   note(*report, taken);
 }
 

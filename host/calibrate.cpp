@@ -185,7 +185,8 @@ void propose(HostIo& io, const ArmCalibration& calibration) {
   proposal.set_source("calibration");
   io.demand(std::move(message), "model proposal");
   const auto is_in_force = [&] { return io.arm().model()->revision() != parent; };
-  if (!io.wait_until(is_in_force, std::chrono::seconds(1))) throw PeerLost("arm controller: the accepted model is not in force after 1 s");
+  if (!io.wait_until(is_in_force, kModelTimeout))
+    throw PeerLost("arm controller: the accepted model is not in force after 20 s");
 }
 
 void tell(const ArmCalibration& c, std::ostream& progress) {

@@ -34,6 +34,9 @@ struct HostIoOptions {
   wire::Role role = wire::ROLE_OBSERVE;
 };
 
+/// A controller tells a revision when its disk has it, which takes a busy disk seconds. Whether it lives is watched apart.
+inline constexpr Duration kModelTimeout = std::chrono::seconds(20);
+
 class HostIo {
  public:
   /// Connects the camera, then the arm; throws PeerLost, CameraLost, ConfigError.

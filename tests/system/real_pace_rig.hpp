@@ -29,17 +29,29 @@ class RealPace : public SystemTest {
     };
     set("period_s: 0.004", "period_s: 0.01");
     set("rpdo_deadline_s: 0.02", "rpdo_deadline_s: 0.2");
-    const std::filesystem::path file = folder_.string() + "-patient_robot.yaml";
+    const std::filesystem::path file = robot_file("patient.yaml");
     std::ofstream(file) << text;
     return file;
   }
 
-  /// In the middle of a slow move: 0.2 rad/s for several seconds.
+  /// In the middle of a slow move: 0.2 rad/s for several seconds. Under way when joint 3's encoder says so on the bus.
   void start_moving_slowly(const std::vector<std::string>& host_command) {
+    const std::int32_t begin = newest_position();
     conductor().start("host", host_command);
-    conductor().run_cycles(400);
+    const auto is_under_way = [&] { return std::abs(newest_position() - begin) > kUnderWay_counts; };
+    for (int i = 0; i < 400 && !is_under_way() && !conductor().find("host")->exit_code(); ++i) conductor().run_cycles(10);
+    ASSERT_TRUE(is_under_way()) << conductor().find("host")->last_lines();
     ASSERT_FALSE(conductor().find("host")->exit_code()) << conductor().find("host")->last_lines();
   }
+  /// Of joint 3, as its drive told last.
+  std::int32_t newest_position() const {
+    const std::vector<CandumpLine> lines = read_bus_log(folder_);
+    for (auto line = lines.rbegin(); line != lines.rend(); ++line)
+      if (const auto sample = decode_tpdo1(line->frame, 3)) return sample->position_counts;
+    return 0;
+  }
+  static constexpr std::int32_t kUnderWay_counts = 500;  ///< 0.1 rad
+
   void go_to_start() { ASSERT_EQ(arm().host({"move", "--joints=0.44,0.14,-0.26,1.37,-0.80"}), 0); }
   static std::vector<std::string> slow_move() {
     return {"move", "--joints=1.16,0.57,-1.35,0.67,-0.16", "--speed", "0.1"};

@@ -27,12 +27,22 @@ class SystemTest : public testing::Test {
 
   void TearDown() override {
     arm_.reset();
-    if (!HasFailure()) std::filesystem::remove_all(folder_);
-    else std::printf("left for inspection: %s\n", folder_.c_str());
+    if (HasFailure()) std::printf("left for inspection: %s*\n", folder_.c_str());
+    for (const std::filesystem::path& path : {folder_, robot_file("")})
+      if (!HasFailure()) std::filesystem::remove_all(path);
+  }
+
+  /// Where a test keeps robot files of its own: the run empties its own folder when it begins.
+  std::filesystem::path robot_file(const std::string& name) const {
+    const std::filesystem::path robots = folder_.string() + "-robots";
+    if (!name.empty()) std::filesystem::create_directories(robots);
+    return name.empty() ? robots : robots / name;
   }
 
   std::filesystem::path folder_ =
-      std::filesystem::path(testing::TempDir()) / ("armsight-system-" + std::to_string(getpid()));
+      std::filesystem::path(testing::TempDir()) /
+      ("armsight-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()).substr(0, 24) + "-" +
+       std::to_string(getpid()));
   std::unique_ptr<RunningArm> arm_;
 };
 

@@ -15,7 +15,7 @@ class ArmOnVcan : public SystemTest {
     DemoOptions options = quiet_robot();
     options.pace = "real";
     options.can_interface = "vcan0";
-    options.robot_file = vcan::guest_robot(options.home, folder_.string() + "-robot.yaml");
+    options.robot_file = vcan::guest_robot(options.home, robot_file("guest.yaml"));
     start(options);
   }
 
