@@ -39,7 +39,8 @@ class RealPace : public SystemTest {
     const std::int32_t begin = newest_position();
     conductor().start("host", host_command);
     const auto is_under_way = [&] { return std::abs(newest_position() - begin) > kUnderWay_counts; };
-    for (int i = 0; i < 400 && !is_under_way() && !conductor().find("host")->exit_code(); ++i) conductor().run_cycles(10);
+    for (int i = 0; i < 400 && !is_under_way() && !conductor().find("host")->exit_code(); ++i)
+      conductor().run_cycles(10);
     ASSERT_TRUE(is_under_way()) << conductor().find("host")->last_lines();
     ASSERT_FALSE(conductor().find("host")->exit_code()) << conductor().find("host")->last_lines();
   }
