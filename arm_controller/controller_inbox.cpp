@@ -80,7 +80,7 @@ void Controller::take_goal(const Goal& goal) noexcept {
 void Controller::take_hand_order(const HandOrder& order) noexcept {
   if (mode_ != Mode::kHold && mode_ != Mode::kServo)
     return emit(AnswerEvent{order.tag, Answer::kWrongState, "the hand moves in HOLD and SERVO only"});
-  hand_.order(order.closure, order.force_limit_permille);
+  hand_.order(order.closure, order.force_limit_permille, order.speed_scale);
   emit(AnswerEvent{order.tag, Answer::kAccepted, ""});
 }
 

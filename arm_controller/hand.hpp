@@ -14,8 +14,9 @@ class Hand {
   explicit Hand(double period_s) noexcept : period_s_(period_s) {}
 
   void stand_at(double closure) noexcept { target_ = command_ = std::clamp(closure, 0.0, 1.0); }
-  void order(double closure, std::uint16_t force_limit_permille) noexcept {
+  void order(double closure, std::uint16_t force_limit_permille, double speed_scale = 1.0) noexcept {
     target_ = closure;
+    speed_scale_ = speed_scale;
     force_limit_permille_ = force_limit_permille;
     quiet_s_ = 0.0;
   }
@@ -23,7 +24,7 @@ class Hand {
   void stop() noexcept { target_ = command_; }
 
   void step(double measured_closure) noexcept {
-    const double largest = period_s_ / kFullStroke_s;
+    const double largest = speed_scale_ * period_s_ / kFullStroke_s;
     command_ += std::clamp(target_ - command_, -largest, largest);
     slow_ += (measured_closure - slow_) * std::min(1.0, period_s_ / kLag_s);
     const bool is_quiet = command_ == target_ && std::abs(measured_closure - slow_) < kQuiet;
@@ -38,7 +39,7 @@ class Hand {
  private:
   static constexpr double kLag_s = 0.1, kQuiet = 0.004, kQuietTime_s = 0.1;
   double period_s_;
-  double target_ = 0.0, command_ = 0.0, slow_ = 0.0, quiet_s_ = 1.0;
+  double target_ = 0.0, command_ = 0.0, slow_ = 0.0, quiet_s_ = 1.0, speed_scale_ = 1.0;
   std::uint16_t force_limit_permille_ = 1000;
 };
 

@@ -105,6 +105,11 @@ std::optional<Refused> read_order(const wire::HandCommand& in, HandOrder& out) {
     return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS, "closure = " + number(in.closure()) + ": must be in [0, 1]"};
   if (in.force_limit_permille() < 1 || in.force_limit_permille() > 1000)
     return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS, "force_limit_permille: must be in [1, 1000]"};
+  out.speed_scale = 1.0;
+  if (in.speed_scale() != 0.0) {
+    if (auto no = check_range("speed_scale", in.speed_scale(), 0.0, 1.0)) return no;
+    out.speed_scale = in.speed_scale();
+  }
   out.closure = in.closure();
   out.force_limit_permille = static_cast<std::uint16_t>(in.force_limit_permille());
   return std::nullopt;

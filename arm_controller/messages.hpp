@@ -37,7 +37,12 @@ struct Goal {
   double speed_scale = 1.0;
 };
 
-struct HandOrder { Tag tag; double closure = 0.0; std::uint16_t force_limit_permille = 1000; };
+struct HandOrder {
+  Tag tag;
+  double closure = 0.0;
+  std::uint16_t force_limit_permille = 1000;
+  double speed_scale = 1.0;
+};
 struct RecalibrationOrder { Tag tag; bool keep_covariance = false; };
 struct Look {
   Tag tag;

@@ -173,12 +173,14 @@ EkfOptions read_filter(const YamlValue& f) {
 
 void read_postures(const YamlValue& postures, RobotConfig& out) {
   const auto count = static_cast<std::size_t>(out.arm.joint_count());
+  const JointLimits& limits = out.arm.limits;
   for (const auto& [name, value] : postures.entries()) {
-    const std::vector<YamlValue> angles = value.list(count, count);
-    JointVector q = JointVector::Zero(static_cast<Eigen::Index>(count));
+    const std::vector<YamlValue> angles = value.list(count > 0 ? count : 1, count > 0 ? count : kMaxJoints);
+    JointVector q = JointVector::Zero(static_cast<Eigen::Index>(angles.size()));
     for (std::size_t i = 0; i < angles.size(); ++i) {
       const auto joint = static_cast<Eigen::Index>(i);
-      q[joint] = angles[i].number(out.arm.limits.min_rad[joint], out.arm.limits.max_rad[joint]);
+      const bool has_limits = count > 0 && limits.min_rad[joint] < limits.max_rad[joint];  // else that was refused
+      q[joint] = has_limits ? angles[i].number(limits.min_rad[joint], limits.max_rad[joint]) : angles[i].number(-7, 7);
     }
     out.postures.emplace(name, q);
   }

@@ -46,7 +46,7 @@ TEST(RobotFile, TheShippedOneLoads) {
   EXPECT_TRUE(robot.arm.T_H_M.R.col(0).isApprox(-Vector3::UnitZ()));  // x_M = -z_H
   EXPECT_EQ(robot.controller.period_s, 0.004);
   EXPECT_EQ(robot.filter.cost_gate, 22.5);
-  EXPECT_TRUE(robot.postures.empty());
+  EXPECT_EQ(robot.postures.at("park")[3], 0.3);
 }
 
 TEST(RobotFile, NamesPlaceKeyValueAndRule) {
@@ -146,11 +146,13 @@ TEST(RobotFile, TakesOneToEightJoints) {
 }
 
 TEST(RobotFile, TakesNamedPosturesInsideTheLimits) {
-  const RobotConfig robot = parse_robot(shipped() + "postures: {home: [0, -0.5, 0, 1.2, 0]}\n", "robot.yaml");
-  EXPECT_EQ(robot.postures.at("home")[3], 1.2);
-  EXPECT_TRUE(complaint(shipped() + "postures: {home: [0, 0.9, 0, 1.2, 0]}\n")
+  const auto home = [](const std::string& angles) {
+    return with("\npostures:\n", "\npostures:\n  home: " + angles + "\n");
+  };
+  EXPECT_EQ(parse_robot(home("[0, -0.5, 0, 1.2, 0]"), "robot.yaml").postures.at("home")[3], 1.2);
+  EXPECT_TRUE(complaint(home("[0, 0.9, 0, 1.2, 0]"))
                   .ends_with("postures.home[1] = 0.9: must be between -1.57 and 0.81"));
-  EXPECT_TRUE(complaint(shipped() + "postures: {home: [0, 0.9]}\n").ends_with("has 2 entries, must have 5"));
+  EXPECT_TRUE(complaint(home("[0, 0.9]")).ends_with("has 2 entries, must have 5"));
 }
 
 TEST(RobotFile, TakesABaseThatIsNotTheFirstAxis) {
