@@ -5,6 +5,7 @@ add_library(armsight_host_app STATIC
   calibrate.cpp
   calibrate_files.cpp
   clock_alignment.cpp
+  dry_run.cpp
   first_sight.cpp
   grasp.cpp
   grasp_plan.cpp
@@ -14,7 +15,9 @@ add_library(armsight_host_app STATIC
   json_out.cpp
   look_planning.cpp
   motion.cpp
+  planned_motion.cpp
   pose_planner.cpp
+  power_verbs.cpp
   run_verb.cpp
   running_guess.cpp
   session_files.cpp

@@ -6,7 +6,22 @@
 
 namespace armsight::host {
 
-enum class Verb { kCalibrate, kAdapt, kGrasp, kMove, kHand, kStatus, kStop, kBlackBox, kPrintMarker, kRobotImport };
+enum class Verb {
+  kCalibrate,
+  kAdapt,
+  kGrasp,
+  kMove,
+  kPark,
+  kHand,
+  kEnable,
+  kDisable,
+  kClear,
+  kStatus,
+  kStop,
+  kBlackBox,
+  kPrintMarker,
+  kRobotImport
+};
 
 struct CommandLine {
   Verb verb = Verb::kStatus;
@@ -19,7 +34,13 @@ struct CommandLine {
   std::string dataset;         ///< calibrate
   std::string object, grasps = "host/config/grasps.yaml";
   std::vector<double> joints_rad, pose;  ///< pose: x, y, z in m, then qw, qx, qy, qz
-  double speed = 1.0;
+  std::string posture;                   ///< move, park: one of the robot file's
+  std::string then = "lift";             ///< grasp: lift | retreat | stay
+  double speed = 1.0;                    ///< of every motion of the verb
+  bool dry_run = false;                  ///< show the motion; nothing moves
+  bool power_off = false;                ///< park: afterwards
+  bool watch = false;                    ///< status: until interrupted, or for watch_s
+  double watch_s = 0.0;
   std::string hand;            ///< open | close
   double force_permille = 500;
   int marker_id = -1;          ///< print marker; -1: the hand's

@@ -8,6 +8,7 @@
 #include "host/json_out.hpp"
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
+#include "host/planned_motion.hpp"
 #include "host/text.hpp"
 
 namespace armsight::host {
@@ -35,6 +36,9 @@ class Grasp {
   GraspChoice choose();
   void drive(const IkSolution& posture, const std::string& what);
   void close_hand(const GraspChoice& choice);
+  void carry(const GraspChoice& choice);
+  ReachProblem reach() const;
+  void show(const GraspChoice& choice);
   void picture_closed();
   void note_end();
   [[noreturn]] void refuse(const std::string& why);
@@ -61,7 +65,7 @@ void Grasp::note_end() {
 }
 
 void Grasp::run() {
-  move_hand(io_, 0.0, kOpenForce_permille);
+  if (!options_.dry_run) move_hand(io_, 0.0, kOpenForce_permille);
   find_object();
   const GraspChoice choice = choose();
   record.candidate = choice.grasp;
@@ -69,6 +73,7 @@ void Grasp::run() {
   record.T_B_G = choice.T_B_G;
   progress_ << "grasp: " << choice.grasp << ", yaw " << fixed(degrees(choice.yaw_rad), 0) << " deg, joints "
             << degrees_text(choice.at_grasp.q) << " deg" << std::endl;
+  if (options_.dry_run) return show(choice);
   drive(choice.at_pregrasp, "pre-grasp");
   drive(choice.at_grasp, "grasp");
   close_hand(choice);
@@ -96,6 +101,8 @@ bool Grasp::see_object(Looker& looker) {
 void Grasp::find_object() {
   Looker looker(io_, object_.marker, object_.T_O_M);
   if (see_object(looker)) return;
+  if (options_.dry_run)
+    throw CommandFailed("grasp: " + record.why + " from here; a dry run moves nothing out of the way");
   const LearnedModel model = model_in_force(io_);
   const PlanProblem problem =
       plan_problem(io_, model.T_C_B, wide_prior(io_.robot().filter, io_.robot().arm.joint_count()), kOutOfViewMargin_rad);
@@ -107,13 +114,17 @@ void Grasp::find_object() {
   refuse("object " + object_.name + ": " + record.why);
 }
 
+ReachProblem Grasp::reach() const {
+  const JointLimits& limits = io_.robot().arm.limits;
+  return {io_.robot().arm.chain, limits.min_rad.array() + kGraspMargin_rad, limits.max_rad.array() - kGraspMargin_rad,
+          real_now(io_)};
+}
+
 GraspChoice Grasp::choose() {
   const LearnedModel model = model_in_force(io_);
-  const JointLimits& limits = io_.robot().arm.limits;
-  const ReachProblem reach{io_.robot().arm.chain, limits.min_rad.array() + kGraspMargin_rad, limits.max_rad.array() - kGraspMargin_rad,
-                           real_now(io_)};
+  const ReachProblem problem = reach();
   const Pose T_B_O = model.T_C_B.inverse() * *record.T_C_O;
-  const GraspPlan plan = io_.compute([=, this] { return plan_grasp(reach, object_, T_B_O); });
+  const GraspPlan plan = io_.compute([=, this] { return plan_grasp(problem, object_, T_B_O); });
   if (plan.best) return *plan.best;
   std::string why;
   for (const std::string& refusal : plan.refusals) why += (why.empty() ? "" : "; ") + refusal;
@@ -145,9 +156,42 @@ void Grasp::close_hand(const GraspChoice& choice) {
   record.why = "fingers at " + fixed(100 * hand.closure, 0) + " % with " + fixed(hand.effort_permille / 10, 0) + " % of their force";
   progress_ << "hand: " << record.verdict << ": " << record.why << std::endl;
   picture_closed();
-  if (verdict == GraspVerdict::kGrasped) return;
+  if (verdict == GraspVerdict::kGrasped) return carry(choice);
   move_hand(io_, 0.0, kOpenForce_permille);
   (void)drive_to(io_, choice.at_pregrasp.q);  // back the way it came; the verdict stands whatever becomes of it
+}
+
+// The verdict on the grasp stands with its time and place; only an object that is lost on the way revokes it.
+void Grasp::carry(const GraspChoice& choice) {
+  if (options_.then == AfterGrasp::kStay) return;
+  const bool is_lift = options_.then == AfterGrasp::kLift;
+  const Vector3 up_B = -io_.robot().gravity_m_s2.normalized();
+  const std::optional<JointVector> q = is_lift ? plan_lift(reach(), up_B) : choice.at_pregrasp.q;
+  record.then = is_lift ? "lift" : "retreat";
+  if (!q) {
+    record.then += ": no posture above this one; stayed";
+  } else {
+    const MotionResult motion = drive_to(io_, *q);
+    record.then += ": " + (motion.has_arrived ? "arrived" : motion.why);
+  }
+  progress_ << record.then << std::endl;
+  const wire::ArmState& state = *io_.arm().state();
+  if (judge_grasp(object_, state.hand_closure(), state.hand_effort_permille()) == GraspVerdict::kGrasped) return;
+  record.verdict = to_text(GraspVerdict::kEmpty);
+  record.why = "grasped, but lost after: " + record.then;
+}
+
+void Grasp::show(const GraspChoice& choice) {
+  const RobotConfig& robot = io_.robot();
+  const LearnedModel model = model_in_force(io_);
+  progress_ << "dry run: nothing moves" << std::endl;
+  tell("pre-grasp", plan_motion(robot, model, real_now(io_), choice.at_pregrasp.q, io_.speed_scale()), robot,
+       progress_);
+  tell("grasp", plan_motion(robot, model, choice.at_pregrasp.q, choice.at_grasp.q, io_.speed_scale()), robot,
+       progress_);
+  progress_ << "then: the hand closes with at most " << fixed(object_.force_limit_permille / 10, 0) << " % of its force"
+            << std::endl;
+  record.verdict = "planned";
 }
 
 // What the camera saw of the verdict, for people: it decides nothing.
@@ -172,7 +216,8 @@ void run_grasp(HostIo& io, SessionFiles& files, const GraspObject& object, const
   }
   grasp.record.images = files.pictures();
   files.save_result(to_json(grasp.record));
-  if (grasp.record.verdict != to_text(GraspVerdict::kGrasped)) throw CommandFailed("grasp: the hand is empty: " + grasp.record.why);
+  if (grasp.record.verdict == to_text(GraspVerdict::kEmpty))
+    throw CommandFailed("grasp: the hand is empty: " + grasp.record.why);
 }
 
 }  // namespace armsight::host

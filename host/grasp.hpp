@@ -10,9 +10,14 @@
 
 namespace armsight::host {
 
+/// What becomes of the object in the hand: up against gravity, back the way the hand came, or nothing.
+enum class AfterGrasp { kLift, kRetreat, kStay };
+
 struct GraspOptions {
   int frames = 7;
   int view_attempts = 6;  ///< postures out of the camera's way that are tried
+  AfterGrasp then = AfterGrasp::kLift;
+  bool dry_run = false;  ///< looks and plans from where the arm stands; nothing moves
 };
 
 /// Writes grasp.json in any case. Throws CommandFailed where the grasp was refused or the hand came back empty.

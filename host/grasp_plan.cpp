@@ -14,6 +14,7 @@ constexpr int kYawRefinements = 25;
 constexpr double kYawStill_rad = 1e-4;
 constexpr double kMaxApproachTurn_rad = 0.9;  // more than this between pre-grasp and grasp: the elbow would flip
 constexpr double kPregraspTolerance_rad = 0.6;  // five joints cannot keep the turn while drawing back
+constexpr double kSag_m = 0.002;
 constexpr double kForceShare = 0.3;           // of the force limit: fingers that press, not fingers that coast
 
 // The turn about z_O that the hand's actual orientation comes nearest to: argmax trace(Rz(yaw) A), A = R_O_G(0) R_actualᵀ.
@@ -99,6 +100,33 @@ GraspPlan plan_grasp(const ReachProblem& reach, const GraspObject& object, const
     if (!is_offered) plan.refusals.push_back(grasp.name + ": " + least_bad);
   }
   return plan;
+}
+
+namespace {
+
+// The joints run on the straight line between the postures; the hand does not.
+bool stays_above(const ReachProblem& reach, const JointVector& q, const Vector3& up_B) {
+  constexpr int kPlaces = 10;
+  const double start_m = up_B.dot(forward_kinematics(reach.chain, reach.q_seed).p);
+  for (int k = 1; k < kPlaces; ++k) {
+    const JointVector between = reach.q_seed + (q - reach.q_seed) * k / kPlaces;
+    if (up_B.dot(forward_kinematics(reach.chain, between).p) < start_m - kSag_m) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<JointVector> plan_lift(const ReachProblem& reach, const Vector3& up_B) {
+  const Pose T_B_H = forward_kinematics(reach.chain, reach.q_seed);
+  for (const double share : {1.0, 2.0 / 3, 1.0 / 3}) {
+    const auto found = solve(reach, {T_B_H.R, T_B_H.p + share * kLift_m * up_B}, reach.q_seed, 1);
+    const bool is_held_upright = found && found->orientation_error_rad < kPregraspTolerance_rad;
+    if (is_held_upright && (found->q - reach.q_seed).lpNorm<Eigen::Infinity>() < kMaxApproachTurn_rad &&
+        stays_above(reach, found->q, up_B))
+      return found->q;
+  }
+  return std::nullopt;
 }
 
 GraspVerdict judge_grasp(const GraspObject& object, double hand_closure, double hand_effort_permille) {

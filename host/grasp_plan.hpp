@@ -33,6 +33,11 @@ struct ReachProblem {
 
 GraspPlan plan_grasp(const ReachProblem& reach, const GraspObject& object, const Pose& T_B_O);
 
+/// Straight up from where the hand stands, as high as the joints reach (at most kLift_m): the hand never lower on the
+/// way than at its start. nullopt: not even a third of that.
+std::optional<JointVector> plan_lift(const ReachProblem& reach, const Vector3& up_B);
+inline constexpr double kLift_m = 0.08;
+
 enum class GraspVerdict { kGrasped, kEmpty };
 /// Something in the fingers keeps them from closing and takes their force. Both are asked: fingers that stand still
 /// half open without force have not closed at all.

@@ -44,10 +44,23 @@ std::unique_ptr<net::FramedStream> connect_arm(const std::string& address, net::
 
 }  // namespace
 
-HostIo::HostIo(const HostIoOptions& options, const RobotConfig& robot) : robot_(robot), clock_(make_clock(options)) {
+HostIo::HostIo(const HostIoOptions& options, const RobotConfig& robot)
+    : robot_(robot), options_(options), clock_(make_clock(options)) {
   if (!options.camera_source.empty()) camera_ = make_camera(options.camera_source, options.intrinsics_file, *clock_);
-  arm_ = std::make_unique<ArmLink>(connect_arm(options.arm_address, *clock_), *clock_,
-                                   ArmLinkOptions{"host " ARMSIGHT_VERSION, model_hash(robot), options.role});
+  connect();
+}
+
+void HostIo::connect() {
+  arm_ = std::make_unique<ArmLink>(connect_arm(options_.arm_address, *clock_), *clock_,
+                                   ArmLinkOptions{"host " ARMSIGHT_VERSION, model_hash(robot_), options_.role});
+}
+
+void HostIo::reconnect() {
+  connect();
+  has_had_lease_ = false;
+  heard_ = 0;
+  silence_ = Duration::zero();
+  last_step_ = now();
 }
 
 HostIo::~HostIo() {
@@ -65,12 +78,20 @@ Time HostIo::step() {
   if (camera_) frame_ = camera_->poll();
   arm_->heartbeat();
   if (g_is_interrupted != 0) {
-    wire::Envelope stop;
-    stop.mutable_stop()->set_reason("the operator interrupted the host");
-    arm_->send(std::move(stop));
-    throw Interrupted();
+    if (options_.role == wire::ROLE_COMMAND) {
+      wire::Envelope stop;
+      stop.mutable_stop()->set_reason("the operator interrupted the host");
+      arm_->send(std::move(stop));
+    }
+    throw Interrupted(options_.role == wire::ROLE_COMMAND);
   }
   return now;
+}
+
+void HostIo::idle(Duration duration) {
+  const Time end = now() + duration;
+  while (clock_->wait_next_cycle() < end)
+    if (g_is_interrupted != 0) throw Interrupted(false);
 }
 
 // A step that took long was this program's own absence, not the controller's: it counts as one cycle or so.

@@ -20,10 +20,16 @@ class CommandFailed : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Ctrl-C: the arm has been told to stop, the link has been left.
+/// Ctrl-C: the arm has been told to stop where this program commanded it; the link has been left.
 class Interrupted : public std::exception {
  public:
-  const char* what() const noexcept override { return "interrupted; the arm was told to stop"; }
+  explicit Interrupted(bool has_stopped) : has_stopped_(has_stopped) {}
+  const char* what() const noexcept override {
+    return has_stopped_ ? "interrupted; the arm was told to stop" : "interrupted";
+  }
+
+ private:
+  bool has_stopped_;
 };
 
 struct HostIoOptions {
@@ -32,6 +38,7 @@ struct HostIoOptions {
   std::string intrinsics_file;  ///< may be empty for the simulated camera
   std::string sim_clock;        ///< path of arm_sim's clock; empty: the machine's own
   wire::Role role = wire::ROLE_OBSERVE;
+  double speed_scale = 1.0;  ///< of all motions of this session, (0, 1]
 };
 
 /// A controller tells a revision when its disk has it, which takes a busy disk seconds. Whether it lives is watched apart.
@@ -55,6 +62,12 @@ class HostIo {
   /// The same, but a refusal throws CommandFailed "what: reason".
   void demand(wire::Envelope message, const std::string& what);
 
+  /// A new link where the old one is lost; the clock and the camera stay. The session is new: no lease, no goal,
+  /// nothing moves by it. Throws PeerLost where nobody answers the connection.
+  void reconnect();
+  /// Lets so much time go by without a link.
+  void idle(Duration duration);
+
   /// Computes while the cycles go on. At real pace a second thread does, so that the lease lives however long it takes;
   /// in lockstep time stands still meanwhile. `work` must not touch this HostIo.
   template <typename Work>
@@ -67,6 +80,7 @@ class HostIo {
 
   ArmLink& arm() { return *arm_; }
   const RobotConfig& robot() const { return robot_; }
+  double speed_scale() const { return options_.speed_scale; }
   bool has_camera() const { return camera_ != nullptr; }
   Camera& camera() { return *camera_; }
   /// The frame of this cycle, if one came.
@@ -77,7 +91,10 @@ class HostIo {
   /// A link whose other end stands still or has lost power is never closed: silence ends it. Throws PeerLost.
   void watch_silence(Time now);
 
+  void connect();
+
   const RobotConfig& robot_;
+  HostIoOptions options_;
   std::unique_ptr<net::Clock> clock_;  // first in, last out: the streams count on it
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<ArmLink> arm_;

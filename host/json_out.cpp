@@ -104,11 +104,21 @@ std::string to_json(const MoveRecord& record) {
 }
 
 std::string to_json(const GraspRecord& record) {
-  const Json out{{"object", record.object}, {"candidate", record.candidate}, {"T_C_O", json(record.T_C_O)},
-                 {"T_O_G", json(record.T_O_G)}, {"T_B_G", json(record.T_B_G)}, {"model", json(record.model)},
-                 {"status", record.status}, {"arm_time_ns", record.arm_time_ns}, {"q_reading_rad", json(record.q_reading)},
-                 {"verdict", record.verdict}, {"why", record.why}, {"hand_closure", number(record.hand_closure)},
-                 {"hand_effort_permille", number(record.hand_effort_permille)}, {"images", record.images},
+  const Json out{{"object", record.object},
+                 {"candidate", record.candidate},
+                 {"T_C_O", json(record.T_C_O)},
+                 {"T_O_G", json(record.T_O_G)},
+                 {"T_B_G", json(record.T_B_G)},
+                 {"model", json(record.model)},
+                 {"status", record.status},
+                 {"arm_time_ns", record.arm_time_ns},
+                 {"q_reading_rad", json(record.q_reading)},
+                 {"verdict", record.verdict},
+                 {"why", record.why},
+                 {"then", record.then},
+                 {"hand_closure", number(record.hand_closure)},
+                 {"hand_effort_permille", number(record.hand_effort_permille)},
+                 {"images", record.images},
                  {"image_closed", record.image_closed}};
   return out.dump(kIndent) + "\n";
 }

@@ -54,7 +54,8 @@ struct GraspRecord {
   std::string status;            ///< of the last motion
   std::int64_t arm_time_ns = 0;
   JointVector q_reading;
-  std::string verdict;           ///< grasped | empty | refused
+  std::string verdict;  ///< grasped | empty | refused | planned (a dry run)
+  std::string then;     ///< with the object in the hand; empty: nothing was asked or nothing held
   std::string why;
   double hand_closure = 0.0, hand_effort_permille = 0.0;
   std::vector<std::string> images;

@@ -34,6 +34,14 @@ void refuse_fault(HostIo& io) {
   if (io.arm().state()->mode() == wire::MODE_FAULT) throw CommandFailed(fault_text(io));
 }
 
+// The lease dies with the link: the controller stops the arm and holds it, whatever becomes of this program.
+bool wait_under_way(HostIo& io, const std::function<bool()>& is_done, Duration timeout) try {
+  return io.wait_until(is_done, timeout);
+} catch (const PeerLost& error) {
+  throw PeerLost(std::string(error.what()) +
+                 "; the motion ends: the arm stops and holds by itself, and moves again only by a new command");
+}
+
 MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, double speed_scale,
                     const std::function<bool()>& is_over) {
   MotionResult result;
@@ -46,7 +54,7 @@ MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, doub
   bool was_cut_short = false;
   const auto is_done = [&] { return has_ended(io, goal) || (was_cut_short = is_over && is_over()); };
   const double timeout_s = to_seconds(kMotionTimeout) * std::max(1.0, kSpeedOfTimeout / speed_scale);
-  if (!io.wait_until(is_done, seconds_to_duration(timeout_s))) {
+  if (!wait_under_way(io, is_done, seconds_to_duration(timeout_s))) {
     result.why = "not there after " + fixed(timeout_s, 0) + " s";
     return result;
   }
@@ -98,10 +106,11 @@ MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions
   wire::JointGoal& goal = *message.mutable_joint_goal();
   goal.set_goal(next_goal());
   to_wire(q_real, goal.mutable_q_real_rad());
-  goal.set_speed_scale(options.speed_scale);
+  const double speed_scale = options.speed_scale * io.speed_scale();
+  goal.set_speed_scale(speed_scale);
   goal.set_valid_for_ns(kGoalValid_ns);
   const std::uint64_t number = goal.goal();
-  return follow(io, number, std::move(message), options.speed_scale, options.is_over);
+  return follow(io, number, std::move(message), speed_scale, options.is_over);
 }
 
 MotionResult stand_still_here(HostIo& io) { return drive_to(io, real_now(io)); }
@@ -115,21 +124,24 @@ MotionResult drive_to(HostIo& io, const PoseTarget& target) {
   goal.set_model_revision(target.model_revision);
   goal.set_position_tolerance_m(target.position_tolerance_m);
   goal.set_orientation_tolerance_rad(target.orientation_tolerance_rad);
-  goal.set_speed_scale(target.speed_scale);
+  const double speed_scale = target.speed_scale * io.speed_scale();
+  goal.set_speed_scale(speed_scale);
   goal.set_valid_for_ns(kGoalValid_ns);
   if (target.q_seed.size() > 0) to_wire(target.q_seed, goal.mutable_q_seed_rad());
   const std::uint64_t number = goal.goal();
-  return follow(io, number, std::move(message), target.speed_scale, {});
+  return follow(io, number, std::move(message), speed_scale, {});
 }
 
 HandResult move_hand(HostIo& io, double closure, double force_limit_permille) {
   wire::Envelope message;
   message.mutable_hand_command()->set_closure(closure);
   message.mutable_hand_command()->set_force_limit_permille(static_cast<std::uint32_t>(std::lround(force_limit_permille)));
+  message.mutable_hand_command()->set_speed_scale(io.speed_scale());
   io.demand(std::move(message), "hand");
   io.wait_until([&] { return io.arm().state()->hand_is_moving(); }, kHandStart);
-  if (!io.wait_until([&] { return !io.arm().state()->hand_is_moving(); }, kHandTimeout)) {
-    throw CommandFailed("hand: still moving after 8 s");
+  const double timeout_s = to_seconds(kHandTimeout) / io.speed_scale();
+  if (!io.wait_until([&] { return !io.arm().state()->hand_is_moving(); }, seconds_to_duration(timeout_s))) {
+    throw CommandFailed("hand: still moving after " + fixed(timeout_s, 0) + " s");
   }
   io.wait_until([] { return false; }, kGripSettling);
   return {io.arm().state()->hand_closure(), io.arm().state()->hand_effort_permille()};

@@ -22,7 +22,7 @@ JointVector to_joint_vector(const google::protobuf::RepeatedField<double>& value
 LearnedModel model_in_force(HostIo& io);
 
 struct MotionOptions {
-  double speed_scale = 1.0;
+  double speed_scale = 1.0;       ///< of the session's
   std::function<bool()> is_over;  ///< asked each cycle; true ends the waiting (not the motion)
 };
 /// To a posture, then still.
@@ -43,7 +43,8 @@ MotionResult drive_to(HostIo& io, const PoseTarget& target);
 struct HandResult {
   double closure = 0.0, effort_permille = 0.0;
 };
-/// 0 open … 1 closed; waits until the fingers rest. Throws CommandFailed when refused or still moving after 8 s.
+/// 0 open … 1 closed; waits until the fingers rest. Throws CommandFailed when refused or still moving after 8 s (more
+/// where slowed).
 HandResult move_hand(HostIo& io, double closure, double force_limit_permille);
 
 }  // namespace armsight::host

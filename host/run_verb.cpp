@@ -6,10 +6,12 @@
 #include "host/adapt.hpp"
 #include "host/calibrate.hpp"
 #include "host/command_line.hpp"
+#include "host/dry_run.hpp"
 #include "host/grasp.hpp"
 #include "host/host_io.hpp"
 #include "host/learn_dataset.hpp"
 #include "host/marker_print.hpp"
+#include "host/power_verbs.hpp"
 #include "host/small_verbs.hpp"
 #include "host/urdf_import.hpp"
 
@@ -19,7 +21,12 @@ namespace {
 constexpr const char* kSimClock = "sim:";
 
 bool needs_camera(Verb verb) { return verb == Verb::kCalibrate || verb == Verb::kAdapt || verb == Verb::kGrasp; }
-bool needs_command(Verb verb) { return verb != Verb::kStatus && verb != Verb::kStop && verb != Verb::kBlackBox; }
+bool is_watching(Verb verb) { return verb == Verb::kStatus || verb == Verb::kStop || verb == Verb::kBlackBox; }
+bool needs_command(const CommandLine& line) { return !is_watching(line.verb) && !line.dry_run; }
+/// enable, disable and clear say themselves what is to become of the power.
+bool needs_power(const CommandLine& line) {
+  return needs_command(line) && line.verb != Verb::kEnable && line.verb != Verb::kDisable && line.verb != Verb::kClear;
+}
 
 HostIoOptions io_options(const CommandLine& line) {
   HostIoOptions options;
@@ -34,7 +41,8 @@ HostIoOptions io_options(const CommandLine& line) {
     if (!line.clock.starts_with(kSimClock)) throw ConfigError("--clock: " + line.clock + ": must be sim:PATH");
     options.sim_clock = line.clock.substr(std::string_view(kSimClock).size());
   }
-  options.role = needs_command(line.verb) ? wire::ROLE_COMMAND : wire::ROLE_OBSERVE;
+  options.speed_scale = line.speed;
+  options.role = needs_command(line) ? wire::ROLE_COMMAND : wire::ROLE_OBSERVE;
   return options;
 }
 
@@ -48,6 +56,7 @@ void check_numbers(const CommandLine& line) {
   check("--joints", line.joints_rad);
   check("--pose", line.pose);
   check("--speed", {line.speed});
+  check("--for", {line.watch_s});
   check("--force", {line.force_permille});
   check("--target-sigma-mm", {line.target_sigma_mm});
   check("--size-mm", {line.marker_size_mm});
@@ -55,7 +64,8 @@ void check_numbers(const CommandLine& line) {
 
 std::optional<Pose> pose_goal(const CommandLine& line) {
   if (line.pose.empty()) {
-    if (line.joints_rad.empty()) throw ConfigError("move: must name --joints or --pose");
+    if (line.joints_rad.empty() && line.posture.empty())
+      throw ConfigError("move: must name a posture, --joints or --pose");
     return std::nullopt;
   }
   const Eigen::Quaterniond q(line.pose[3], line.pose[4], line.pose[5], line.pose[6]);
@@ -63,7 +73,16 @@ std::optional<Pose> pose_goal(const CommandLine& line) {
   return Pose{q.normalized().toRotationMatrix(), Vector3(line.pose[0], line.pose[1], line.pose[2])};
 }
 
+JointVector named_posture(const CommandLine& line, const RobotConfig& robot) {
+  const std::string name = line.posture.empty() ? "park" : line.posture;
+  if (const auto found = robot.postures.find(name); found != robot.postures.end()) return found->second;
+  std::string known;
+  for (const auto& [other, q] : robot.postures) known += (known.empty() ? "" : ", ") + other;
+  throw ConfigError(name + ": no posture of " + line.robot + "; it has: " + (known.empty() ? "none" : known));
+}
+
 JointVector joint_goal(const CommandLine& line, const RobotConfig& robot) {
+  if (line.verb == Verb::kPark || !line.posture.empty()) return named_posture(line, robot);
   if (line.joints_rad.empty()) return {};
   if (static_cast<int>(line.joints_rad.size()) != robot.arm.joint_count()) {
     throw ConfigError("--joints: " + std::to_string(line.joints_rad.size()) + " values: must be one a joint, " +
@@ -79,6 +98,8 @@ const char* session_name(Verb verb) {
     case Verb::kAdapt: return "adapt";
     case Verb::kGrasp: return "grasp";
     case Verb::kMove: return "move";
+    case Verb::kPark:
+      return "park";
     default: return nullptr;
   }
 }
@@ -98,6 +119,39 @@ void run_adapt_verb(HostIo& io, SessionFiles& files, const CommandLine& line) {
   run_adapt(io, files, options, std::cout);
 }
 
+GraspOptions grasp_options(const CommandLine& line) {
+  GraspOptions options;
+  options.then = line.then == "lift"      ? AfterGrasp::kLift
+                 : line.then == "retreat" ? AfterGrasp::kRetreat
+                                          : AfterGrasp::kStay;
+  options.dry_run = line.dry_run;
+  return options;
+}
+
+double closure_of(const CommandLine& line) { return line.hand == "close" ? 1.0 : 0.0; }
+
+void run_park(HostIo& io, SessionFiles& files, const JointVector& q_park, const CommandLine& line) {
+  run_move(io, files, q_park, std::nullopt, std::cout);
+  if (line.power_off) run_disable(io, std::cout);
+}
+
+void show(HostIo& io, const CommandLine& line, const JointVector& q_goal, const std::optional<Pose>& T_B_G) {
+  switch (line.verb) {
+    case Verb::kMove:
+      return show_move(io, "move", q_goal, T_B_G, std::cout);
+    case Verb::kPark:
+      return show_move(io, "park", q_goal, std::nullopt, std::cout);
+    case Verb::kHand:
+      return show_hand(io, closure_of(line), line.force_permille, std::cout);
+    case Verb::kCalibrate:
+      return show_looks(io, "calibrate", line.looks > 0 ? line.looks : CalibrateOptions{}.looks, std::cout);
+    case Verb::kAdapt:
+      return show_looks(io, "adapt", line.looks > 0 ? line.looks : AdaptOptions{}.looks, std::cout);
+    default:
+      break;
+  }
+}
+
 // Everything that can be wrong with words, files and folders is found before anything is connected or moves.
 void run_online(const CommandLine& line) {
   const RobotConfig robot = load_robot(line.robot);
@@ -114,14 +168,35 @@ void run_online(const CommandLine& line) {
   catch_interrupts();
   HostIo io(options, robot);
   open_session(io, needs_camera(line.verb));
-  if (needs_command(line.verb)) take_command(io, line.clear_fault);
+  if (needs_power(line)) take_command(io, line.clear_fault);
+  if (line.dry_run && line.verb != Verb::kGrasp) return show(io, line, q_goal, T_B_G);
   switch (line.verb) {
     case Verb::kCalibrate: run_calibrate_verb(io, *files, line); break;
     case Verb::kAdapt: run_adapt_verb(io, *files, line); break;
-    case Verb::kGrasp: run_grasp(io, *files, *object, {}, std::cout); break;
-    case Verb::kMove: run_move(io, *files, q_goal, T_B_G, line.speed, std::cout); break;
-    case Verb::kHand: run_hand(io, line.hand == "close" ? 1.0 : 0.0, line.force_permille, std::cout); break;
-    case Verb::kStatus: run_status(io, std::cout); break;
+    case Verb::kGrasp:
+      run_grasp(io, *files, *object, grasp_options(line), std::cout);
+      break;
+    case Verb::kMove:
+      run_move(io, *files, q_goal, T_B_G, std::cout);
+      break;
+    case Verb::kPark:
+      run_park(io, *files, q_goal, line);
+      break;
+    case Verb::kHand:
+      run_hand(io, closure_of(line), line.force_permille, std::cout);
+      break;
+    case Verb::kEnable:
+      run_enable(io, line.clear_fault, std::cout);
+      break;
+    case Verb::kDisable:
+      run_disable(io, std::cout);
+      break;
+    case Verb::kClear:
+      run_clear(io, std::cout);
+      break;
+    case Verb::kStatus:
+      line.watch ? run_watch(io, line.watch_s, std::cout) : run_status(io, std::cout);
+      break;
     case Verb::kStop: run_stop(io, std::cout); break;
     case Verb::kBlackBox: run_black_box(io, line.out, std::cout); break;
     default: break;

@@ -11,8 +11,8 @@ namespace armsight::host {
 namespace {
 
 constexpr double kPosePosition_m = 0.001;
-constexpr double kPoseOrientation_rad = 0.02;
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
+constexpr Duration kRetryPeriod = std::chrono::seconds(1);
 constexpr Duration kStatisticsTimeout = std::chrono::milliseconds(1200);  // the controller tells them every second
 
 std::string joints_text(HostIo& io) {
@@ -23,17 +23,17 @@ std::string joints_text(HostIo& io) {
 }  // namespace
 
 void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const std::optional<Pose>& T_B_G,
-              double speed_scale, std::ostream& progress) {
+              std::ostream& progress) {
   MoveRecord record;
   MotionResult motion;
   if (T_B_G) {
     record.T_B_G = T_B_G;
-    const PoseTarget target{wire::GOAL_FRAME_BASE, *T_B_G, model_in_force(io).revision, kPosePosition_m,
-                            kPoseOrientation_rad, real_now(io), speed_scale};
+    const PoseTarget target{wire::GOAL_FRAME_BASE,    *T_B_G,      model_in_force(io).revision, kPosePosition_m,
+                            kMovePoseOrientation_rad, real_now(io)};
     motion = drive_to(io, target);
   } else {
     record.q_goal_real = q_real;
-    motion = drive_to(io, q_real, {speed_scale, {}});
+    motion = drive_to(io, q_real);
   }
   record.status = motion.status;
   record.state = motion.has_arrived ? "arrived" : motion.why;
@@ -78,6 +78,45 @@ void run_status(HostIo& io, std::ostream& out) {
     for (const std::string& line : s->degraded()) out << "degraded:   " << line << "\n";
   }
   out << std::flush;
+}
+
+namespace {
+
+std::string watch_line(HostIo& io) {
+  const wire::ArmState& state = *io.arm().state();
+  std::string line = std::string(to_text(state.mode())) + (state.is_still() ? ", still" : ", moving") + ", model " +
+                     std::to_string(state.model_revision());
+  if (state.fault_code() != 0) line += ", fault " + std::to_string(state.fault_code());
+  return line;
+}
+
+void watch_this_link(HostIo& io, Time end, std::string& last, std::ostream& out) {
+  open_session(io, false);
+  const auto has_news = [&] { return watch_line(io) != last; };
+  while (io.wait_until(has_news, end - io.now())) out << "watch: " << (last = watch_line(io)) << std::endl;
+}
+
+}  // namespace
+
+void run_watch(HostIo& io, double watch_s, std::ostream& out) {
+  const Time end = watch_s > 0.0 ? io.now() + seconds_to_duration(watch_s) : Time::max();
+  std::string last;
+  bool is_lost = false;
+  while (io.now() < end) {
+    try {
+      if (is_lost) {
+        io.reconnect();
+        out << "watch: connected again" << std::endl;
+        is_lost = false;
+      }
+      watch_this_link(io, end, last, out);
+    } catch (const PeerLost& error) {
+      if (!is_lost) out << "watch: " << error.what() << "; trying again every second" << std::endl;
+      is_lost = true;
+      last.clear();
+      io.idle(kRetryPeriod);
+    }
+  }
 }
 
 void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out) {

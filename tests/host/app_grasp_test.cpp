@@ -122,6 +122,28 @@ TEST(GraspPlan, ExplainsWhyNothingIsReachable) {
   EXPECT_NE(plan.refusals[0].find("reach"), std::string::npos);
 }
 
+TEST(GraspPlan, LiftsTheHandFromTheCanAgainstGravityAndNeverLower) {
+  const GraspTable table = GraspTable::parse(kTable, "grasps.yaml");
+  const GraspPlan plan = plan_grasp(reach(), table.find("can"), can_pose(Vector3::Zero()));
+  ASSERT_TRUE(plan.best);
+  ReachProblem at_grasp = reach();
+  at_grasp.q_seed = plan.best->at_grasp.q;
+  const Vector3 up = can_pose(Vector3::Zero()).R.col(2);
+  const auto lifted = plan_lift(at_grasp, up);
+  ASSERT_TRUE(lifted);
+  const Vector3 start = forward_kinematics(at_grasp.chain, at_grasp.q_seed).p;
+  const Vector3 way = forward_kinematics(at_grasp.chain, *lifted).p - start;
+  EXPECT_GT(up.dot(way), kLift_m / 3 - 1e-4);
+  EXPECT_LT((way - up.dot(way) * up).norm(), 1e-4) << "straight up";
+  for (int k = 1; k <= 50; ++k) {
+    const JointVector q = at_grasp.q_seed + (*lifted - at_grasp.q_seed) * k / 50;
+    EXPECT_GT(up.dot(forward_kinematics(at_grasp.chain, q).p - start), -0.003);
+  }
+  const Vector3 outward = start.normalized();
+  at_grasp.q_seed[3] = at_grasp.min_rad[3];
+  EXPECT_FALSE(plan_lift(at_grasp, outward)) << "a stretched arm reaches no farther";
+}
+
 TEST(GraspVerdict, AsksForBothOpeningAndForce) {
   const GraspTable table = GraspTable::parse(kTable, "grasps.yaml");
   const GraspObject& can = table.find("can");

@@ -73,6 +73,20 @@ TEST_F(Run, NumbersThatAreNoneAreRefusedBeforeConnecting) {
   EXPECT_NE(said_.find("--speed"), std::string::npos) << said_;
 }
 
+TEST_F(Run, ANamedPostureIsOneOfTheRobotFiles) {
+  CommandLine line = move_line();
+  line.joints_rad.clear();
+  line.posture = "ready";
+  EXPECT_EQ(run_line(line), 3) << said_;
+  line.posture = "bed";
+  EXPECT_EQ(run_line(line), 2) << said_;
+  EXPECT_NE(said_.find("park, ready"), std::string::npos) << said_;
+  line.posture.clear();
+  EXPECT_EQ(run_line(line), 2) << "move must say where to";
+  line.verb = Verb::kPark;
+  EXPECT_EQ(run_line(line), 3) << "park knows where: " << said_;
+}
+
 TEST_F(Run, AnAddressThatIsNoneIsABadFlagNotALostPeer) {
   for (const char* address : {"nowhere", "127.0.0.1:70000", "127.0.0.1:"}) {
     CommandLine line = move_line();

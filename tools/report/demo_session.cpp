@@ -36,7 +36,7 @@ class Session {
   int verb(const std::vector<std::string>& words, const std::string& result, const std::string& kept_as);
   void must(int exit_code, const std::string& what);
   std::vector<MoveResult> moves(const std::string& kept_as);
-  GraspResult grasp(const std::string& kept_as);
+  GraspResult grasp(const std::string& kept_as, const std::string& then);
   void read_status();
   void keep_images(const std::vector<std::string>& names, const std::string& caption, std::size_t most);
   void keep_grasp_images(const GraspResult& grasp, const std::string& caption);
@@ -86,9 +86,9 @@ std::vector<MoveResult> Session::moves(const std::string& kept_as) {
   return results;
 }
 
-GraspResult Session::grasp(const std::string& kept_as) {
-  verb({"grasp", "--object", experiment_.object, "--grasps", (options_.home / "host/config/grasps.yaml").string()},
-       "grasp", kept_as);
+GraspResult Session::grasp(const std::string& kept_as, const std::string& then) {
+  const std::string table = (options_.home / "host/config/grasps.yaml").string();
+  verb({"grasp", "--object", experiment_.object, "--then", then, "--grasps", table}, "grasp", kept_as);
   return load_grasp(results() / (kept_as + ".json"));
 }
 
@@ -161,7 +161,7 @@ Report Session::run() {
   phase("drift: the camera is knocked, the joints shift", [&] { arm_.conductor().inject_drift(); });
   phase("commanded poses without filter", [&] { without = moves("move-without"); });
   phase("Act: grasp without filter", [&] {
-    report_.grasp_without = grasp("grasp-without");
+    report_.grasp_without = grasp("grasp-without", "stay");  // the next one finds the object where it was
     keep_grasp_images(report_.grasp_without, "Act: without filter, ");
     must(verb({"hand", "open"}, "", ""), "the hand did not open");
   });
@@ -174,7 +174,7 @@ Report Session::run() {
   });
   phase("commanded poses with filter", [&] { with = moves("move-with"); });
   phase("Act: grasp with filter", [&] {
-    report_.grasp_with = grasp("grasp-with");
+    report_.grasp_with = grasp("grasp-with", "lift");
     keep_grasp_images(report_.grasp_with, "Act: with filter, ");
   });
   phase("the controller's statistics", [&] { read_status(); });

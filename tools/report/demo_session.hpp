@@ -33,7 +33,7 @@ class RunningArm {
 
   /// host VERB …; its exit code.
   int host(const std::vector<std::string>& verb);
-  /// Started by the constructor; again by tests that killed it.
+  /// Started by the constructor; again, where it was, by tests that killed it.
   void start_controller();
   std::vector<std::string> host_command(const std::vector<std::string>& verb) const;
   Conductor& conductor() { return conductor_; }

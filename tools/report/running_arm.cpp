@@ -54,7 +54,8 @@ RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool
 }
 
 void RunningArm::start_controller() {
-  std::vector<std::string> arguments{"--config", options_.robot_file.string(), "--listen", "127.0.0.1:0",
+  const std::string listen = link_.empty() ? "127.0.0.1:0" : link_;
+  std::vector<std::string> arguments{"--config", options_.robot_file.string(), "--listen", listen,
                                      "--state", (run_dir_ / "controller").string()};
   if (options_.can_interface.empty())
     arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_.path() / "clock").string()});
