@@ -51,7 +51,7 @@ TEST(RobotFile, TheShippedOneLoads) {
 
 TEST(RobotFile, NamesPlaceKeyValueAndRule) {
   EXPECT_EQ(complaint(with("period_s: 0.004", "period_s: -1")),
-            "robot.yaml:45:13: controller.period_s = -1: must be between 0.001 and 0.1");
+            "robot.yaml:48:13: controller.period_s = -1: must be between 0.001 and 0.1");
 }
 
 TEST(RobotFile, ListsAllViolationsInTheOrderOfTheFile) {
@@ -60,12 +60,12 @@ TEST(RobotFile, ListsAllViolationsInTheOrderOfTheFile) {
   EXPECT_EQ(complaint(text),
             "robot.yaml:3:1: robot: missing\n"
             "robot.yaml:3:1: robots: unknown key\n"
-            "robot.yaml:45:13: controller.period_s = 4: must be between 0.001 and 0.1");
+            "robot.yaml:48:13: controller.period_s = 4: must be between 0.001 and 0.1");
 }
 
 TEST(RobotFile, RefusesAPeriodThatDrivesCannotBeTold) {
   expect_complaint("period_s: 0.004", "period_s: 0.00333",
-                   "45:13: controller.period_s = 0.00333: must be a whole number, 1 to 255, of 1 ms or of 0.1 ms "
+                   "48:13: controller.period_s = 0.00333: must be a whole number, 1 to 255, of 1 ms or of 0.1 ms "
                    "(CANopen 0x60C2)");
   EXPECT_EQ(complaint(with("period_s: 0.004", "period_s: 0.0035")), "none");
   EXPECT_EQ(interpolation_period(0.0025)->value, 25);
@@ -77,14 +77,14 @@ TEST(RobotFile, RefusesAPeriodThatDrivesCannotBeTold) {
 TEST(RobotFile, RefusesLimitsThatAreBeyond32BitCounts) {
   const std::string drive = "counts_per_turn: 32768, sign: 1, zero_rad: 0";
   expect_complaint(drive, "counts_per_turn: 2147483647, sign: 1, zero_rad: -5",
-                   "15:40: joints[0].drive.counts_per_turn = 2147483647: limits and zero_rad are beyond 32-bit counts");
+                   "18:40: joints[0].drive.counts_per_turn = 2147483647: limits and zero_rad are beyond 32-bit counts");
   EXPECT_EQ(complaint(with(drive, "counts_per_turn: 2147483647, sign: 1, zero_rad: -4.5")), "none");
 }
 
 TEST(RobotFile, RefusesRepeatedKeysEverywhere) {
   expect_complaint("robot: ego_right_arm", "robot: ego_right_arm\nrobot: twice",
                    "robot.yaml:4:1: robot: repeated key, first at line 3");
-  expect_complaint("d_m: 0.168,", "d_m: 0.168, d_m: 0.168,", "joints[2].dh.d_m: repeated key, first at line 19");
+  expect_complaint("d_m: 0.168,", "d_m: 0.168, d_m: 0.168,", "joints[2].dh.d_m: repeated key, first at line 22");
 }
 
 TEST(RobotFile, RefusesUnknownKeysEverywhere) {
@@ -142,7 +142,7 @@ TEST(RobotFile, TakesOneToEightJoints) {
   const std::size_t begin = nine.find("  - {name: shoulder_flexion"), end = nine.find("  - {name: shoulder_abduction");
   const std::string joint = nine.substr(begin, end - begin);
   for (int i = 0; i < 4; ++i) nine.insert(begin, joint);
-  EXPECT_EQ(complaint(nine), "robot.yaml:13:3: joints: has 9 entries, must have 1 to 8");
+  EXPECT_EQ(complaint(nine), "robot.yaml:16:3: joints: has 9 entries, must have 1 to 8");
 }
 
 TEST(RobotFile, TakesNamedPosturesInsideTheLimits) {
