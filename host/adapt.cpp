@@ -23,6 +23,8 @@ class Adapt {
         looker_(io, io.robot().hand_marker, io.robot().arm.T_H_M) {}
 
   void run();
+  /// Fewer than half of the looks asked for, and the hand not known as well as asked for either.
+  bool has_too_few() const { return fused == 0 || (2 * fused < options_.looks && !is_known_well()); }
   AdaptRecord record;
   int fused = 0;
 
@@ -30,7 +32,9 @@ class Adapt {
   StateMatrix covariance() const;
   std::optional<JointVector> next_posture();
   void visit(const JointVector& q_real);
+  void open(bool keep_covariance);
   void fuse(const LookTaken& taken);
+  CommandOutcome send(const LookTaken& taken);
   void note(const wire::FilterReport& report, const LookTaken& taken);
   bool is_known_well() const;
 
@@ -46,9 +50,7 @@ class Adapt {
 
 void Adapt::run() {
   record.before = model_in_force(io_);
-  wire::Envelope start;
-  start.mutable_recalibration_start()->set_keep_covariance(false);
-  io_.demand(std::move(start), "recalibration");
+  open(false);
   while (taken_ < options_.looks && record.attempts < options_.max_attempts && !is_known_well()) {
     const std::optional<JointVector> next = next_posture();
     if (!next) {
@@ -99,7 +101,24 @@ void Adapt::visit(const JointVector& q_real) {
   files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"adapt"}));
 }
 
+/// keep_covariance: goes on where a lost lease closed it.
+void Adapt::open(bool keep_covariance) {
+  wire::Envelope start;
+  start.mutable_recalibration_start()->set_keep_covariance(keep_covariance);
+  io_.demand(std::move(start), "recalibration");
+}
+
 void Adapt::fuse(const LookTaken& taken) {
+  CommandOutcome outcome = send(taken);
+  const bool was_closed = outcome.reason == wire::REFUSAL_REASON_NO_LEASE || outcome.reason == wire::REFUSAL_REASON_WRONG_STATE;
+  if (!outcome.is_accepted && was_closed) {
+    open(true);
+    outcome = send(taken);
+  }
+  if (!outcome.is_accepted) progress_ << "look refused: " << outcome.text << std::endl;
+}
+
+CommandOutcome Adapt::send(const LookTaken& taken) {
   const LookMeasurement& look = *taken.look;
   wire::Envelope message;
   wire::HandPose& pose = *message.mutable_hand_pose();
@@ -117,13 +136,11 @@ void Adapt::fuse(const LookTaken& taken) {
   const auto is_refused = [&] { return io_.arm().outcome(sequence) && !io_.arm().outcome(sequence)->is_accepted; };
   const auto is_answered = [&] { return (report = io_.arm().take_filter_report()) || is_refused(); };
   if (!io_.wait_until(is_answered, kModelTimeout)) throw PeerLost("arm controller: no filter report within 20 s");
-  if (!report) {
-    progress_ << "look refused: " << io_.arm().outcome(sequence)->text << std::endl;
-    return;
-  }
+  if (!report) return *io_.arm().outcome(sequence);
   const auto has_model = [&] { return io_.arm().model()->revision() >= report->model_revision(); };
   if (!io_.wait_until(has_model, kModelTimeout)) throw PeerLost("arm controller: the filter's model did not come within 20 s");
   note(*report, taken);
+  return {true, {}, {}};
 }
 
 void Adapt::note(const wire::FilterReport& report, const LookTaken& taken) {
@@ -155,7 +172,9 @@ void run_adapt(HostIo& io, SessionFiles& files, const AdaptOptions& options, std
   Adapt adapt(io, files, options, progress);
   adapt.run();
   files.save_result(to_json(adapt.record));
-  if (adapt.fused == 0) throw CommandFailed("adapt: not one look was fused in " + std::to_string(adapt.record.attempts) + " attempts");
+  if (adapt.has_too_few())
+    throw CommandFailed("adapt: only " + std::to_string(adapt.fused) + " of " + std::to_string(options.looks) +
+                        " looks were fused in " + std::to_string(adapt.record.attempts) + " attempts; at least half must be");
   progress << "model " << adapt.record.after.revision << " is in force" << std::endl;
 }
 

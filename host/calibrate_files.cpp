@@ -82,7 +82,7 @@ void LookFiles::add(const LookSample& sample) {
   }
   rows_ += "\n";
   if (!std::exchange(has_begun_, true)) return begin();
-  write_atomically(folder_ / kSamplesFile, rows_);
+  write_atomically(folder_ / kSamplesFile, rows_, Durability::kUnsynced);
 }
 
 // The new set is whole before the last one gives up its name, and the last one stays beside it.
@@ -90,9 +90,9 @@ void LookFiles::begin() const try {
   const fs::path made = folder_.string() + "-new", previous = folder_.string() + "-previous";
   fs::remove_all(made);
   fs::create_directories(made);
-  write_atomically(made / kRobotFile, robot_);
-  write_atomically(made / kDatasetFile, dataset_);
-  write_atomically(made / kSamplesFile, rows_);
+  write_atomically(made / kRobotFile, robot_, Durability::kUnsynced);
+  write_atomically(made / kDatasetFile, dataset_, Durability::kUnsynced);
+  write_atomically(made / kSamplesFile, rows_, Durability::kUnsynced);
   if (fs::exists(folder_)) {
     fs::remove_all(previous);
     fs::rename(folder_, previous);

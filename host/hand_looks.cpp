@@ -74,6 +74,7 @@ LookTaken Looker::look(int frames, const std::optional<Pose>& predicted_T_C_X) {
   taken.arm_time = *at;
   const auto reading = io_.arm().mean_reading(from->arm_time - kReadingSlack, to->arm_time + kReadingSlack);
   if (reading) taken.q_reading = Eigen::Map<const Eigen::VectorXd>(reading->data(), static_cast<Eigen::Index>(reading->size()));
+  else taken.why = "the arm told no joint angles of that time";
   taken.look = std::move(result.look);
   return taken;
 }

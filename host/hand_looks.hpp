@@ -17,7 +17,7 @@ inline constexpr const char* kNotSeen = "marker not seen";
 
 struct LookTaken {
   std::optional<LookMeasurement> look;
-  std::string why;            ///< no look: the reason
+  std::string why;            ///< no look, or no reading: the reason
   cv::Mat picture;            ///< the last frame, for the overlay; empty when none came
   std::vector<MarkerDetection> markers;  ///< of this frame
   std::optional<Pose> predicted_T_C_X;   ///< as handed in

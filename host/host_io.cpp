@@ -13,6 +13,7 @@ namespace {
 constexpr Duration kPeriod = std::chrono::milliseconds(4);     // the host's cycle at real pace
 constexpr Duration kConnectTimeout = std::chrono::seconds(5);
 constexpr Duration kAnswerTimeout = std::chrono::seconds(1);
+constexpr Duration kStopTimeout = std::chrono::seconds(5);     // the lost lease's stop, within the joints' limits
 constexpr Duration kSilence = std::chrono::seconds(1);         // it tells its state every 20 ms
 constexpr Duration kLongestStep = std::chrono::milliseconds(20);
 constexpr Duration kAlignTimeout = std::chrono::seconds(20);
@@ -120,6 +121,7 @@ CommandOutcome HostIo::command(wire::Envelope message) {
   const CommandOutcome lease_outcome = ask(std::move(lease));
   if (!lease_outcome.is_accepted) return lease_outcome;
   std::fprintf(stderr, "host: this machine held the host up until its lease ran out; the arm held, the lease is taken again\n");
+  wait_until([&] { return arm_->state() && arm_->state()->mode() != wire::MODE_STOPPING; }, kStopTimeout);
   return ask(std::move(message));
 }
 

@@ -23,8 +23,8 @@ void make_folder(const fs::path& folder) {
 
 }  // namespace
 
-void write_atomically(const fs::path& file, std::string_view content) try {
-  write_file_atomically(file, content);
+void write_atomically(const fs::path& file, std::string_view content, Durability durability) try {
+  write_file_atomically(file, content, durability);
 } catch (const std::runtime_error& error) {
   throw ConfigError(error.what());
 }
@@ -32,7 +32,7 @@ void write_atomically(const fs::path& file, std::string_view content) try {
 SessionFiles::SessionFiles(const fs::path& state, const std::string& verb) : state_(state), verb_(verb) {
   make_folder(state_ / "images");
   try {  // a read-only folder shows now, not when the arm has moved
-    write_file_atomically(state_ / kProbe, {});
+    write_file_atomically(state_ / kProbe, {}, Durability::kUnsynced);
     fs::remove(state_ / kProbe);
   } catch (const std::runtime_error& error) {
     throw ConfigError(std::string("--state: ") + error.what());
@@ -49,7 +49,7 @@ void SessionFiles::forget_last_run() {
 
 void SessionFiles::save_result(std::string_view json) {
   forget_last_run();
-  write_atomically(state_ / (verb_ + ".json"), json);
+  write_atomically(state_ / (verb_ + ".json"), json, Durability::kUnsynced);
 }
 
 std::string SessionFiles::save_picture(const cv::Mat& picture) {

@@ -1,6 +1,6 @@
 // What the host leaves behind, under --state DIR: the latest result of each verb, pictures with overlay, the looks of
 // a calibration as they are made, the calibration itself. Every file is written beside its name and renamed: a reader
-// never sees half of one.
+// never sees half of one. Only the calibration waits for the disk: what can be looked at anew need not outlive a power cut.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "protocol/atomic_file.hpp"
 
 namespace armsight::host {
 
@@ -34,6 +36,7 @@ class SessionFiles {
 };
 
 /// protocol/atomic_file.hpp's writer; throws ConfigError.
-void write_atomically(const std::filesystem::path& file, std::string_view content);
+void write_atomically(const std::filesystem::path& file, std::string_view content,
+                      Durability durability = Durability::kSynced);
 
 }  // namespace armsight::host
