@@ -14,15 +14,19 @@ constexpr const char* kMagic = "armsight-position-1";
 
 }  // namespace
 
-std::optional<JointVector> load_last_position(const std::filesystem::path& folder, const RobotConfig& robot) {
+LastPosition load_last_position(const std::filesystem::path& folder, const RobotConfig& robot) {
   std::ifstream in(folder / kFile);
+  if (!in) return {};
+  const std::string name = (folder / kFile).string();
   std::string magic;
   std::uint64_t hash = 0;
-  if (!(in >> magic >> hash) || magic != kMagic || hash != model_hash(robot)) return std::nullopt;
+  if (!(in >> magic >> hash) || magic != kMagic) return {{}, name + ": damaged: must begin with " + kMagic};
+  if (hash != model_hash(robot)) return {{}, name + ": is another robot's"};
   JointVector q(robot.arm.joint_count());
   for (double& angle : q)
-    if (!(in >> angle) || !std::isfinite(angle)) return std::nullopt;
-  return q;
+    if (!(in >> angle) || !std::isfinite(angle))
+      return {{}, name + ": damaged: must hold " + std::to_string(q.size()) + " angles"};
+  return {q, {}};
 }
 
 void save_last_position(const std::filesystem::path& folder, const RobotConfig& robot, const JointVector& q_reading_rad) {

@@ -4,13 +4,18 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "protocol/config.hpp"
 
 namespace armsight::arm {
 
-/// nullopt: no file, a damaged one, or another robot's; the self-check then says that nothing can be compared.
-std::optional<JointVector> load_last_position(const std::filesystem::path& folder, const RobotConfig& robot);
+struct LastPosition {
+  std::optional<JointVector> q_reading_rad;
+  std::string why;  ///< there is none: empty where no file is, else what is wrong with it
+};
+/// The self-check says that nothing can be compared where there is none. A damaged file refuses nothing: it is not synced.
+LastPosition load_last_position(const std::filesystem::path& folder, const RobotConfig& robot);
 /// Atomic, not synced: written every second, and a model that is being saved must not wait behind it.
 /// Throws std::runtime_error.
 void save_last_position(const std::filesystem::path& folder, const RobotConfig& robot, const JointVector& q_reading_rad);

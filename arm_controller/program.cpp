@@ -63,7 +63,10 @@ std::unique_ptr<CanBus> make_bus(const Flags& flags, net::Clock& clock) {
 Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), robot_(load(flags)) {
   state_folder_ = hold_state_folder(flags.state);
   start_ = load_model_in_force(flags.state, robot_);
-  start_.last_seen_rad = load_last_position(flags.state, robot_);
+  const LastPosition last = load_last_position(flags.state, robot_);
+  start_.last_seen_rad = last.q_reading_rad;
+  if (!last.why.empty())
+    std::fprintf(stderr, "arm_controller: %s; where the joints were last seen is not known\n", last.why.c_str());
   clock_ = make_clock(flags, robot_);
   bus_ = make_bus(flags, *clock_);
   const bool is_emulated = flags.can.empty();
@@ -87,6 +90,7 @@ int Program::run(const std::atomic<bool>& leaves) {
 // The arm is brought to rest before the program goes; a stop that takes too long is given to the drives.
 bool Program::is_done(const std::atomic<bool>& leaves, Time now) {
   if (loop_->bus_is_lost()) {
+    std::fprintf(stderr, "arm_controller: the bus %s is gone\n", bus_->name().c_str());
     exit_code_ = 3;
     return true;
   }
