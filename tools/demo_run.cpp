@@ -12,11 +12,13 @@ namespace {
 namespace fs = std::filesystem;
 using namespace armsight::demo;
 
+constexpr double kLargestSeed = 9007199254740991.0;  // what every reader of report.json keeps exactly
+
 void interrupt(int) { Conductor::is_interrupted = 1; }
 
 void add_options(armsight::tools::CommandLine& line, DemoOptions& options) {
   options.home = fs::current_path();
-  line.add("--seed", options.seed, "which robot, camera mount and noise").show_default();
+  line.add("--seed", options.seed, "which robot, camera mount and noise").between(0, kLargestSeed).show_default();
   line.add("--report", options.report_dir, "folder for report.html and report.json (default HOME/out/demo)");
   line.add("--robot", options.robot_file, "robot file (default HOME/tools/experiments/demo_robot.yaml)");
   line.add("--noise", options.noise, "noise set").one_of({"clean", "nominal", "hard"}).show_default();

@@ -33,5 +33,11 @@ TEST_F(Move, ToAPoseKeepsToTheSpeedAskedFor) {
   EXPECT_LT(fastest, 0.25) << "a tenth of 2 rad/s was asked for";
 }
 
+TEST_F(Move, FolderInWhichARunWorksIsRefusedToAnother) {
+  start(quiet_robot());
+  EXPECT_THROW(RunningArm(quiet_robot(), folder_, false), ConfigError);
+  EXPECT_EQ(arm().host({"status"}), 0) << "the first goes on";
+}
+
 }  // namespace
 }  // namespace armsight::demo

@@ -148,6 +148,7 @@ void Session::describe() {
 }
 
 Report Session::run() {
+  for (const char* stale : {"report.html", "report.json"}) fs::remove(options_.report_dir / stale);  // of another run
   describe();
   std::printf("demo: bus in use: %s\n", arm_.bus_line().c_str());
   std::vector<MoveResult> without, with;

@@ -2,6 +2,7 @@
 // and gathers what they left for the report.
 #pragma once
 
+#include "protocol/descriptor.hpp"
 #include "tools/report/conductor.hpp"
 #include "tools/report/report.hpp"
 #include "tools/temporary_folder.hpp"
@@ -28,7 +29,7 @@ class RunFailed : public std::runtime_error {
 /// The simulated robot and its controller, running.
 class RunningArm {
  public:
-  /// `run_dir` keeps states, recordings and logs.
+  /// `run_dir` keeps states, recordings and logs; ConfigError where another run works in it.
   RunningArm(const DemoOptions& options, const std::filesystem::path& run_dir, bool is_verbose);
 
   /// host VERB …; its exit code.
@@ -57,6 +58,7 @@ class RunningArm {
 
   DemoOptions options_;
   std::filesystem::path run_dir_;
+  Descriptor run_lock_;
   TemporaryFolder sockets_;
   Conductor conductor_;
   std::string camera_, link_, bus_line_;

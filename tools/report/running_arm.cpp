@@ -1,6 +1,10 @@
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/file.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include "tools/report/demo_session.hpp"
@@ -11,31 +15,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Only a folder that an earlier run made is emptied.
-void prepare_run_folder(const fs::path& run_dir) {
+/// Only a folder that an earlier run made is emptied, and none that a run works in: the mark is its lock.
+Descriptor prepare_run_folder(const fs::path& run_dir) {
   const fs::path mark = run_dir / "made-by-armsight-demo";
   if (fs::exists(run_dir) && !fs::exists(mark)) {
     throw ConfigError(run_dir.string() + ": exists and was not made by an earlier demo: choose another --report");
   }
-  fs::remove_all(run_dir);
+  fs::create_directories(run_dir);
+  Descriptor lock(::open(mark.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (lock.get() < 0) throw ConfigError(mark.string() + ": cannot be written: " + std::strerror(errno));
+  if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
+    throw ConfigError(run_dir.string() + ": another run works there: choose another --report");
+  for (const fs::directory_entry& entry : fs::directory_iterator(run_dir))
+    if (entry.path() != mark) fs::remove_all(entry.path());
   for (const char* folder : {"sim", "controller", "host", "results"}) fs::create_directories(run_dir / folder);
   std::ofstream(mark) << "tools/demo empties this folder when it runs again.\n";
+  return lock;
 }
 
-fs::path prepared(const fs::path& run_dir) {
+Descriptor prepared(const fs::path& run_dir) {
   try {
-    prepare_run_folder(run_dir);
+    return prepare_run_folder(run_dir);
   } catch (const fs::filesystem_error& e) {
     throw ConfigError(run_dir.string() + ": cannot be made: " + e.code().message());
   }
-  return run_dir;
 }
 
 }  // namespace
 
 RunningArm::RunningArm(const DemoOptions& options, const fs::path& run_dir, bool is_verbose)
     : options_(options),
-      run_dir_(prepared(fs::absolute(run_dir))),
+      run_dir_(fs::absolute(run_dir)),
+      run_lock_(prepared(run_dir_)),
       conductor_(run_dir_ / "programs.log", is_verbose) {
   const fs::path& true_robot = options_.true_robot_file.empty() ? options_.robot_file : options_.true_robot_file;
   std::vector<std::string> arguments{"--robot",  true_robot.string(),

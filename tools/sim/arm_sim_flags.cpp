@@ -29,7 +29,7 @@ std::optional<int> parse_flags(int argc, char** argv, ArmSimFlags& flags) {
   std::string noise = "nominal", mount = "near", pace, bus;
   line.add("--robot", flags.robot_file, "robot file (nominal)").required();
   line.add("--scene", flags.scene_file, "scene file (truth)").required();
-  line.add("--seed", flags.seed, "which robot, mounts, noise").show_default();
+  line.add("--seed", flags.seed, "which robot, mounts, noise").between(0, 9007199254740991.0).show_default();
   line.add("--noise", noise, "clean | nominal | hard").one_of({"clean", "nominal", "hard"});
   line.add("--pace", pace, "lockstep (default with --bus) | real").one_of({"lockstep", "real"});
   line.add("--bus", bus, "emulated:PATH: serve an emulated bus there");
