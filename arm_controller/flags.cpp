@@ -18,7 +18,7 @@ const char* const kHelp =
     "  --can IFACE            SocketCAN interface; implies real pace\n"
     "  --bus emulated:PATH    bus of a running arm_sim\n"
     "  --clock sim:PATH       simulated clock of that arm_sim; without it: this machine's\n"
-    "  --rate HZ              instead of the configured period: 250 or 500 on one classic bus\n"
+    "  --rate HZ              instead of the configured period; what the bus cannot carry is refused (can_budget)\n"
     "  --replay FILE          go through a black box of this very executable again, alone: same (0) or different (1)\n"
     "  --require-rt           refuse to run without SCHED_FIFO and locked memory\n"
     "  --help\n"

@@ -11,6 +11,7 @@
 #include "arm_controller/real_time.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "arm_controller/state_folder.hpp"
+#include "protocol/bus_budget.hpp"
 
 namespace armsight::arm {
 namespace {
@@ -21,14 +22,18 @@ constexpr int kRoleController = 1;
 
 RobotConfig load(const Flags& flags) {
   RobotConfig robot = load_robot(flags.config);
-  if (flags.rate_hz <= 0.0) return robot;
   double& period_s = robot.controller.period_s;
-  period_s = 1.0 / flags.rate_hz;
   std::ostringstream where;
-  where << "--rate " << flags.rate_hz << " (" << flags.config << "): ";
-  if (const char* rule = broken_period_rule(period_s)) throw FlagError(where.str() + "the period " + rule);
-  if (const char* rule = broken_deadline_rule(robot.controller.rpdo_deadline_s, period_s))
-    throw FlagError(where.str() + "controller.rpdo_deadline_s " + rule);
+  if (flags.rate_hz > 0.0) {
+    period_s = 1.0 / flags.rate_hz;
+    where << "--rate " << flags.rate_hz << " (" << flags.config << "): ";
+    if (const char* rule = broken_period_rule(period_s)) throw FlagError(where.str() + "the period " + rule);
+    if (const char* rule = broken_deadline_rule(robot.controller.rpdo_deadline_s, period_s))
+      throw FlagError(where.str() + "controller.rpdo_deadline_s " + rule);
+  } else {
+    where << flags.config << ": controller.period_s = " << period_s << ": ";
+  }
+  if (const std::string rule = broken_load_rule(robot); !rule.empty()) throw FlagError(where.str() + rule);
   return robot;
 }
 

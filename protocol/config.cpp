@@ -13,6 +13,7 @@ namespace armsight {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kBusLoadLimit = 0.9;  // the rest is for frames sent again (controller.md §3.2)
 
 DhRow read_dh(const YamlValue& dh) {
   const YamlValue a_m = dh.key("a_m"), alpha_rad = dh.key("alpha_rad");
@@ -147,6 +148,8 @@ ControllerConfig read_controller(const YamlValue& c) {
   out.heartbeat_s = c.key("heartbeat_s").number(0.02, 5);
   out.look_time_bound_s = c.key("look_time_bound_s").positive(1);
   out.look_max_speed_rad_s = c.key("look_max_speed_rad_s").positive(20);
+  const YamlValue load = c.optional_key("bus_load_limit");
+  out.bus_load_limit = load.exists() ? load.positive(1) : kBusLoadLimit;
   return out;
 }
 

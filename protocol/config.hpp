@@ -49,6 +49,7 @@ struct ControllerConfig {
   double goal_tolerance_rad;
   double lease_s, rpdo_deadline_s, heartbeat_s;
   double look_time_bound_s, look_max_speed_rad_s;
+  double bus_load_limit;   ///< share of a bus' time that the worst case may take (bus_budget)
 };
 
 /// 0x60C2 (CiA 402) tells a drive the period as value · 10^exponent s.

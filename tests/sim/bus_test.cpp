@@ -43,6 +43,22 @@ TEST(Bus, TheLowestIdentifierWinsAndFramesTakeTheirTime) {
   EXPECT_TRUE(seen[1].is_own_echo);
 }
 
+TEST(Bus, MailboxesSendByPriorityAndASocketAsQueued) {
+  using enum BusModel::Order;
+  for (const BusModel::Order order : {kByPriority, kAsQueued}) {
+    BusModel bus(1e6);
+    std::vector<std::uint32_t> ends;
+    const int port = bus.add_port([&](const CanFrame& frame, Time, bool) { ends.push_back(frame.id); }, order);
+    const int other = bus.add_port([](const CanFrame&, Time, bool) {});
+    bus.send(other, frame_of(0x080), Time{});
+    for (const std::uint32_t id : {0x706u, 0x186u}) bus.send(port, frame_of(id), Time{});
+    bus.send(other, frame_of(0x206), Time{});
+    bus.run_until(time_from_ns(1'000'000));
+    const std::vector<std::uint32_t> by_priority{0x080, 0x186, 0x206, 0x706}, as_queued{0x080, 0x206, 0x706, 0x186};
+    EXPECT_EQ(ends, order == kByPriority ? by_priority : as_queued) << "does the sample wait behind the heartbeat?";
+  }
+}
+
 TEST(Bus, AFrameOnTheWireIsNotInterrupted) {
   InProcessBus bus;
   const auto a = bus.join(), b = bus.join();

@@ -9,8 +9,8 @@ namespace armsight::sim {
 BusModel::BusModel(double bitrate_bit_s, std::size_t queue_frames)
     : bitrate_bit_s_(bitrate_bit_s), queue_frames_(queue_frames) {}
 
-int BusModel::add_port(Deliver deliver) {
-  ports_[++last_port_] = {std::move(deliver), {}};
+int BusModel::add_port(Deliver deliver, Order order) {
+  ports_[++last_port_] = {std::move(deliver), order, {}};
   return last_port_;
 }
 
@@ -31,6 +31,15 @@ Duration BusModel::frame_time(const CanFrame& frame) const {
   return Duration{std::llround(1e9 * worst_case_bits(frame.size) / bitrate_bit_s_)};
 }
 
+std::deque<BusModel::Queued>::const_iterator BusModel::Port::first_at(Time time) const {
+  auto first = queue.end();
+  for (auto one = queue.begin(); one != queue.end() && one->time <= time; ++one) {
+    if (first == queue.end() || one->frame.id < first->frame.id) first = one;
+    if (order == Order::kAsQueued) break;
+  }
+  return first;
+}
+
 /// Starts the next frame: the bus is taken when it is free and somebody has a frame; of those that have one by then the
 /// lowest identifier wins, among equals the older port.
 void BusModel::arbitrate() {
@@ -40,13 +49,15 @@ void BusModel::arbitrate() {
     if (!port.queue.empty()) start = std::min(start, std::max(free_since_, port.queue.front().time));
   if (start == kNever) return;
   int winner = 0;
+  std::deque<Queued>::const_iterator lowest;
   for (const auto& [id, port] : ports_) {
-    if (port.queue.empty() || port.queue.front().time > start) continue;
-    if (winner == 0 || port.queue.front().frame.id < ports_.at(winner).queue.front().frame.id) winner = id;
+    const auto first = port.first_at(start);
+    if (first == port.queue.end() || (winner != 0 && first->frame.id >= lowest->frame.id)) continue;
+    winner = id;
+    lowest = first;
   }
-  std::deque<Queued>& queue = ports_.at(winner).queue;
-  const CanFrame frame = queue.front().frame;
-  queue.pop_front();
+  const CanFrame frame = lowest->frame;
+  ports_.at(winner).queue.erase(lowest);
   on_wire_ = Transmission{winner, frame, start + frame_time(frame)};
 }
 

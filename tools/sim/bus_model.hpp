@@ -21,11 +21,14 @@ inline constexpr std::size_t kBusQueueFrames = 32;
 class BusModel {
  public:
   /// A frame's end on the wire; every port gets every frame, its sender as its own echo.
+  /// What leaves a sender first: what was queued first (a socket of the kernel), or the lowest identifier of what waits
+  /// (the mailboxes of a drive).
+  enum class Order { kAsQueued, kByPriority };
   using Deliver = std::function<void(const CanFrame& frame, Time end, bool is_own_echo)>;
 
   explicit BusModel(double bitrate_bit_s, std::size_t queue_frames = kBusQueueFrames);
 
-  int add_port(Deliver deliver);
+  int add_port(Deliver deliver, Order order = Order::kAsQueued);
   void remove_port(int port);
   /// Queues a frame; false: the queue is full, the frame is dropped.
   bool send(int port, const CanFrame& frame, Time now);
@@ -47,7 +50,11 @@ class BusModel {
   };
   struct Port {
     Deliver deliver;
+    Order order = Order::kAsQueued;
     std::deque<Queued> queue;
+
+    /// What it would put on a bus that is free at `time`; end(): nothing.
+    std::deque<Queued>::const_iterator first_at(Time time) const;
   };
   struct Transmission {
     int port;

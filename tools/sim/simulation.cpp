@@ -98,7 +98,7 @@ void Simulation::Impl::attach_nodes() {
       if (is_own_echo) return;
       world.advance_to(end);
       world.on_frame(i, frame, end);
-    }));
+    }, BusModel::Order::kByPriority));
 }
 
 void Simulation::Impl::send_from_node(std::size_t node, const CanFrame& frame, Time now) {

@@ -1,0 +1,101 @@
+#include "tests/sim/closed_loop.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace armsight::sim {
+
+/// The controller's end of a bus.
+class ClosedLoop::End final : public arm::CanBus {
+ public:
+  End(ClosedLoop& loop, BusModel& bus) : loop_(loop), bus_(bus) {
+    port_ = bus.add_port([this](const CanFrame& frame, Time end, bool is_own_echo) {
+      inbox_.push_back({frame, end, is_own_echo});
+      if (loop_.on_frame_) loop_.on_frame_(frame, end);
+    });
+  }
+  arm::SendResult send(const CanFrame& frame) noexcept override {
+    return bus_.send(port_, frame, loop_.now_) ? arm::SendResult::kSent : arm::SendResult::kQueueFull;
+  }
+  bool receive(arm::BusFrame& frame) noexcept override {
+    if (inbox_.empty()) return false;
+    frame = inbox_.front();
+    inbox_.pop_front();
+    return true;
+  }
+  arm::BusErrors take_errors() noexcept override { return {}; }
+  const std::string& name() const override { return name_; }
+
+ private:
+  ClosedLoop& loop_;
+  BusModel& bus_;
+  int port_;
+  std::deque<arm::BusFrame> inbox_;
+  std::string name_ = "in-process";
+};
+
+ClosedLoop::ClosedLoop(const RobotConfig& config)
+    : robot(config), bus_(config.controller.bus_bitrate_bit_s) {
+  const Scene scene = load_scene(ARMSIGHT_SOURCE_DIR "/tools/sim/scene.yaml");
+  const auto send = [this](std::size_t node, const CanFrame& frame, Time now) {
+    bus_.send(node_ports_[node], frame, now);
+  };
+  const Truth truth = make_truth(robot, scene, NoiseSet::kClean, CameraMount::kNear, 1);
+  world_ = std::make_unique<World>(robot, scene, truth, now_, send);
+  for (std::size_t i = 0; i < world_->node_count(); ++i)
+    node_ports_.push_back(bus_.add_port([this, i](const CanFrame& frame, Time end, bool is_own_echo) {
+      if (is_own_echo) return;
+      world_->advance_to(end);
+      world_->on_frame(i, frame, end);
+    }, BusModel::Order::kByPriority));
+  end_ = std::make_unique<End>(*this, bus_);
+  const JointVector zero = JointVector::Zero(robot.arm.joint_count());
+  const arm::StartModel start{{0, robot.camera_hint_T_C_B, zero}, std::nullopt, arm::ModelSource::kNominal};
+  loop_ = std::make_unique<arm::ControlLoop>(robot, start, *end_, mailboxes_, tape_, statistics_);
+  world_->power_on(now_);
+}
+
+void ClosedLoop::simulate_until(Time until) {
+  while (true) {
+    const Time timer = world_->next_time(), frame = bus_.next_event();
+    if (std::min(timer, frame) >= until) break;
+    if (timer <= frame) world_->advance_to(timer);
+    else bus_.run_until(frame + Duration{1});
+  }
+  world_->advance_to(until);
+}
+
+void ClosedLoop::cycle() {
+  const Time next = now_ + seconds_to_duration(robot.controller.period_s);
+  simulate_until(next);
+  now_ = next;
+  mailboxes_.lease.put({1, now_ + seconds_to_duration(robot.controller.lease_s)});
+  loop_->cycle(now_, 0);
+  if (const auto newest = mailboxes_.state.take()) state = *newest;
+  for (arm::Event event; mailboxes_.events.pop(event);) events.push_back(event);
+  for (arm::Event event; tape_.events.pop(event);) continue;
+  for (arm::TickRecord record; tape_.ticks.pop(record);) continue;
+  for (arm::OrdersRecord orders; tape_.orders.pop(orders);) continue;
+  tape_.checkpoints.take([](std::uint64_t, std::span<const std::byte>) {});
+}
+
+bool ClosedLoop::cycle_until(const std::function<bool()>& is_true, int at_most) {
+  for (int i = 0; i < at_most && !is_true(); ++i) cycle();
+  return is_true();
+}
+
+bool ClosedLoop::power_up() {
+  if (!cycle_until([&] { return state.mode == arm::Mode::kReady; }, 2000)) return false;
+  mailboxes_.mode.put({{1, 1}, arm::PowerWish::kHold, false});
+  return cycle_until([&] { return state.mode == arm::Mode::kHold; }, 2000);
+}
+
+void ClosedLoop::move_to(const JointVector& q_real) {
+  arm::Goal goal;
+  goal.tag = {1, 1};
+  goal.id = 1;
+  goal.q_real_rad = q_real;
+  mailboxes_.goal.put(goal);
+}
+
+}  // namespace armsight::sim
