@@ -52,8 +52,10 @@ HostIo::HostIo(const HostIoOptions& options, const RobotConfig& robot)
 }
 
 void HostIo::connect() {
+  // Of an observer no hash is asked, and it may know no robot.
+  const std::uint64_t hash = options_.role == wire::ROLE_COMMAND ? model_hash(robot_) : 0;
   arm_ = std::make_unique<ArmLink>(connect_arm(options_.arm_address, *clock_), *clock_,
-                                   ArmLinkOptions{"host " ARMSIGHT_VERSION, model_hash(robot_), options_.role});
+                                   ArmLinkOptions{"host " ARMSIGHT_VERSION, hash, options_.role});
 }
 
 void HostIo::reconnect() {
@@ -128,9 +130,9 @@ CommandOutcome HostIo::command(wire::Envelope message) {
 CommandOutcome HostIo::ask(wire::Envelope message) {
   const bool is_lease = message.has_lease_request();
   const std::uint64_t sequence = arm_->send(std::move(message));
-  if (!wait_until([&] { return arm_->outcome(sequence).has_value(); }, kAnswerTimeout)) {
-    throw PeerLost("arm controller: no answer within 1 s");
-  }
+  const auto is_answered = [&] { return arm_->outcome(sequence) || arm_->hello_refusal(); };
+  if (!wait_until(is_answered, kAnswerTimeout)) throw PeerLost("arm controller: no answer within 1 s");
+  if (!arm_->outcome(sequence)) throw CommandFailed("arm controller: " + arm_->hello_refusal()->text);
   const CommandOutcome outcome = *arm_->outcome(sequence);
   has_had_lease_ |= is_lease && outcome.is_accepted;
   return outcome;

@@ -46,7 +46,7 @@ inline constexpr Duration kModelTimeout = std::chrono::seconds(20);
 
 class HostIo {
  public:
-  /// Connects the camera, then the arm; throws PeerLost, CameraLost, ConfigError.
+  /// Connects the camera, then the arm; throws PeerLost, CameraLost, ConfigError. An observer may have an empty robot.
   HostIo(const HostIoOptions& options, const RobotConfig& robot);
   /// Says Bye, whatever happened.
   ~HostIo();

@@ -152,6 +152,14 @@ void show(HostIo& io, const CommandLine& line, const JointVector& q_goal, const 
   }
 }
 
+// Whoever stops the arm waits for no file, model or state: protocol/README.md asks for none of them.
+void run_stop_verb(const CommandLine& line) {
+  const RobotConfig no_robot{};
+  catch_interrupts();
+  HostIo io(io_options(line), no_robot);
+  run_stop(io, std::cout);
+}
+
 // Everything that can be wrong with words, files and folders is found before anything is connected or moves.
 void run_online(const CommandLine& line) {
   const RobotConfig robot = load_robot(line.robot);
@@ -197,7 +205,6 @@ void run_online(const CommandLine& line) {
     case Verb::kStatus:
       line.watch ? run_watch(io, line.watch_s, std::cout) : run_status(io, std::cout);
       break;
-    case Verb::kStop: run_stop(io, std::cout); break;
     case Verb::kBlackBox: run_black_box(io, line.out, std::cout); break;
     default: break;
   }
@@ -231,7 +238,8 @@ int run(const CommandLine& line) try {
   if (line.verb == Verb::kCalibrate && !line.dataset.empty()) {
     return run_calibrate_dataset(line.dataset, line.out, std::cout);
   }
-  run_online(line);
+  if (line.verb == Verb::kStop) run_stop_verb(line);
+  else run_online(line);
   return 0;
 } catch (const ConfigError& error) {
   return fail(2, error.what());

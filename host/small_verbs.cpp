@@ -144,8 +144,14 @@ void run_stop(HostIo& io, std::ostream& out) {
   wire::Envelope stop;
   stop.mutable_stop()->set_reason("the operator asked for it");
   io.demand(std::move(stop), "stop");
-  const auto rests = [&] { return io.arm().state() && io.arm().state()->mode() != wire::MODE_SERVO && io.arm().state()->mode() != wire::MODE_STOPPING; };
-  if (!io.wait_until(rests, kStopTimeout)) throw CommandFailed("stop: the arm still moves after 5 s");
+  const auto rests = [&] {
+    const auto& state = io.arm().state();
+    return state && state->mode() != wire::MODE_SERVO && state->mode() != wire::MODE_STOPPING;
+  };
+  if (!io.wait_until(rests, kStopTimeout)) {
+    if (!io.arm().state()) throw PeerLost("arm controller: took the stop, but tells no state");
+    throw CommandFailed("stop: the arm still moves after 5 s");
+  }
   out << "stopped: " << to_text(io.arm().state()->mode()) << std::endl;
 }
 

@@ -23,7 +23,7 @@ void run_status(HostIo& io, std::ostream& out);
 void run_watch(HostIo& io, double watch_s, std::ostream& out);
 /// The controller's newest black box into a file; needs no lease. Throws CommandFailed where there is none.
 void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out);
-/// Needs no lease.
+/// Needs no lease, no robot and no session: it is the first message after Hello.
 void run_stop(HostIo& io, std::ostream& out);
 
 }  // namespace armsight::host
