@@ -119,7 +119,10 @@ void LinkServer::tell(const Event& event, Time now) {
     fault_ = *fault;
     to_wire(*fault, *envelope.mutable_fault_report());
   }
-  if (const auto* stop = std::get_if<StopEvent>(&event)) to_wire(*stop, *envelope.mutable_stop_report());
+  if (const auto* stop = std::get_if<StopEvent>(&event)) {
+    stop_ = *stop;
+    to_wire(*stop, *envelope.mutable_stop_report());
+  }
   broadcast(envelope, now);
 }
 
@@ -200,6 +203,11 @@ void LinkServer::greet(LinkSession& peer, Time now) {
   if (fault_ && state_.fault.is_set()) {
     wire::Envelope envelope;
     to_wire(*fault_, *envelope.mutable_fault_report());
+    send(peer, envelope, now);
+  }
+  if (stop_) {
+    wire::Envelope envelope;
+    to_wire(*stop_, *envelope.mutable_stop_report());
     send(peer, envelope, now);
   }
 }

@@ -108,6 +108,7 @@ class LinkServer {
   std::deque<Event> held_;            ///< what names a revision that is not on disk yet, and what came after it
   std::optional<ModelEvent> model_;   ///< last published
   std::optional<FaultEvent> fault_;
+  std::optional<StopEvent> stop_;
   std::vector<CheckLine> short_of_;   ///< of the last self-check: degraded or refused
   Time next_state_{}, next_statistics_{};
   std::optional<Time> save_again_at_;

@@ -13,10 +13,18 @@ constexpr std::size_t kRecentStates = 200;    // 4 s of states
 constexpr std::size_t kKeptOutcomes = 256;
 constexpr std::size_t kKeptReports = 64;
 
-bool is_sound(const wire::ArmState& state) {
-  const auto is_finite_value = [](double v) { return std::isfinite(v); };
-  return std::all_of(state.q_reading_rad().begin(), state.q_reading_rad().end(), is_finite_value) &&
-         std::isfinite(state.hand_closure()) && std::isfinite(state.hand_effort_permille());
+/// The first field that holds a number that is none; nullptr: all are finite.
+const char* broken_field(const wire::ArmState& state) {
+  const auto are_finite = [](const auto& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  };
+  if (!are_finite(state.q_reading_rad())) return "q_reading_rad";
+  if (!are_finite(state.speed_rad_s())) return "speed_rad_s";
+  if (!are_finite(state.q_command_rad())) return "q_command_rad";
+  if (!are_finite(state.torque_nm())) return "torque_Nm";
+  if (!std::isfinite(state.hand_closure())) return "hand_closure";
+  if (!std::isfinite(state.hand_effort_permille())) return "hand_effort_permille";
+  return nullptr;
 }
 
 }  // namespace
@@ -47,15 +55,17 @@ std::uint64_t ArmLink::send(wire::Envelope message) {
 void ArmLink::receive() {
   for (const net::Received& received : stream_->receive()) {
     wire::Envelope message;
-    if (!message.ParseFromString(received.payload)) {
-      stream_->close("undecodable message");
-      throw PeerLost("arm controller " + stream_->peer_name() + ": undecodable message");
-    }
+    if (!message.ParseFromString(received.payload)) end_link("undecodable message");
     take(message, received.arrival);
   }
   if (!stream_->is_open() && !hello_refusal_) {
     throw PeerLost("arm controller " + stream_->peer_name() + ": connection lost: " + stream_->close_reason());
   }
+}
+
+void ArmLink::end_link(const std::string& why) {
+  stream_->close(why);
+  throw PeerLost("arm controller " + stream_->peer_name() + ": " + why);
 }
 
 void ArmLink::take(const wire::Envelope& message, Time arrival) {
@@ -84,6 +94,7 @@ void ArmLink::take(const wire::Envelope& message, Time arrival) {
     case wire::Envelope::kModelUpdate: model_ = message.model_update(); break;
     case wire::Envelope::kFilterReport: filter_reports_.push_back(message.filter_report()); break;
     case wire::Envelope::kFaultReport: fault_ = message.fault_report(); break;
+    case wire::Envelope::kStopReport: stop_report_ = message.stop_report(); break;
     case wire::Envelope::kStatistics: statistics_ = message.statistics(); break;
     case wire::Envelope::kBlackBoxChunk: chunk_ = message.black_box_chunk(); break;
     default: break;  // a newer controller may tell more than we know
@@ -93,7 +104,7 @@ void ArmLink::take(const wire::Envelope& message, Time arrival) {
 }
 
 void ArmLink::take_state(const wire::ArmState& state) {
-  if (!is_sound(state)) return;
+  if (const char* field = broken_field(state)) end_link(std::string("ArmState.") + field + " is not finite");
   state_ = state;
   if (state.q_reading_rad().empty()) return;  // the joints have not reported yet
   recent_.push_back(state);

@@ -41,7 +41,8 @@ class ArmLink {
   /// Sends Hello. The clock must outlive the link.
   ArmLink(std::unique_ptr<net::FramedStream> stream, net::Clock& clock, const ArmLinkOptions& options);
 
-  /// Takes the messages that act now. Throws PeerLost when the stream is closed or speaks nonsense.
+  /// Takes the messages that act now. Throws PeerLost when the stream is closed, holds no message or a
+  /// number that is none; the link is then closed.
   void receive();
   /// Sends a heartbeat when one is due.
   void heartbeat();
@@ -60,6 +61,8 @@ class ArmLink {
   const std::optional<wire::ModelUpdate>& model() const { return model_; }
   const std::optional<wire::GoalStatus>& goal_status() const { return goal_status_; }
   const std::optional<wire::FaultReport>& fault() const { return fault_; }
+  /// The newest stop that needed no clearing.
+  const std::optional<wire::StopReport>& stop_report() const { return stop_report_; }
   const std::optional<wire::ControllerStatistics>& statistics() const { return statistics_; }
   /// The next piece of a black box not taken yet.
   std::optional<wire::BlackBoxChunk> take_black_box_chunk() { return std::exchange(chunk_, std::nullopt); }
@@ -75,6 +78,8 @@ class ArmLink {
  private:
   void take(const wire::Envelope& message, Time arrival);
   void take_state(const wire::ArmState& state);
+  /// Closes the stream with the reason and throws it as PeerLost.
+  [[noreturn]] void end_link(const std::string& why);
 
   std::unique_ptr<net::FramedStream> stream_;
   net::Clock& clock_;
@@ -93,6 +98,7 @@ class ArmLink {
   std::optional<wire::ModelUpdate> model_;
   std::optional<wire::GoalStatus> goal_status_;
   std::optional<wire::FaultReport> fault_;
+  std::optional<wire::StopReport> stop_report_;
   std::optional<wire::ControllerStatistics> statistics_;
   std::optional<wire::BlackBoxChunk> chunk_;
   std::deque<wire::FilterReport> filter_reports_;

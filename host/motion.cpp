@@ -42,9 +42,18 @@ bool wait_under_way(HostIo& io, const std::function<bool()>& is_done, Duration t
                  "; the motion ends: the arm stops and holds by itself, and moves again only by a new command");
 }
 
+// The goal's end names the kind of stop; the report that came with it names code, side and evidence.
+std::string end_text(const ArmLink& arm, const wire::GoalStatus& status, std::int64_t begun_arm_ns) {
+  const auto& stop = arm.stop_report();
+  const bool is_told = status.state() == wire::GOAL_STATE_STOPPED && stop && stop->arm_time_ns() >= begun_arm_ns;
+  const std::string text = is_told ? to_text(*stop) : status.text();
+  return to_text(status.state()) + (text.empty() ? "" : ": " + text);
+}
+
 MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, double speed_scale,
                     const std::function<bool()>& is_over) {
   MotionResult result;
+  const std::int64_t begun_arm_ns = io.arm().state()->arm_time_ns();
   const CommandOutcome outcome = io.command(std::move(message));
   if (!outcome.is_accepted) {
     refuse_fault(io);
@@ -65,7 +74,7 @@ MotionResult follow(HostIo& io, std::uint64_t goal, wire::Envelope message, doub
   result.status = *io.arm().goal_status();
   if (result.status.state() != wire::GOAL_STATE_ARRIVED) {
     refuse_fault(io);
-    result.why = std::string(to_text(result.status.state())) + (result.status.text().empty() ? "" : ": ") + result.status.text();
+    result.why = end_text(io.arm(), result.status, begun_arm_ns);
     return result;
   }
   result.has_arrived = io.wait_until([&] { return io.arm().state()->is_still(); }, kStillTimeout);

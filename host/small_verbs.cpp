@@ -72,6 +72,10 @@ void run_status(HostIo& io, std::ostream& out) {
   } else {
     out << "fault:      none\n";
   }
+  if (const auto& stop = arm.stop_report()) {
+    const double age_s = 1e-9 * static_cast<double>(state.arm_time_ns() - stop->arm_time_ns());
+    out << "last stop:  " << to_text(*stop) << "; " << fixed(age_s, 1) << " s ago\n";
+  }
   if (const auto& s = arm.statistics()) {
     out << "cycles:     " << s->cycles() << ", " << s->missed() << " missed, tick " << fixed(s->tick_us_p50(), 1) << " us (p99.9 "
         << fixed(s->tick_us_p999(), 1) << " us), " << s->protocol_errors() << " protocol errors\n";

@@ -43,6 +43,10 @@ const char* to_text(wire::GoalState state) {
   }
 }
 
+std::string to_text(const wire::StopReport& report) {
+  return std::to_string(report.code()) + " (" + report.side() + "): " + report.text();
+}
+
 double degrees(double rad) { return rad / kDegree; }
 
 std::string fixed(double value, int decimals) {

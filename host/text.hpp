@@ -11,6 +11,8 @@ namespace armsight::host {
 const char* to_text(wire::Mode mode);
 const char* to_text(wire::FusionOutcome outcome);
 const char* to_text(wire::GoalState state);
+/// "401 (link): the commander was silent longer than its lease, last heard 204.1 ms ago".
+std::string to_text(const wire::StopReport& report);
 /// "12.3 -4.0 0.1" in degrees.
 std::string degrees_text(const JointVector& q_rad);
 double degrees(double rad);

@@ -50,6 +50,9 @@ class Link:
         self.buffer = self.buffer[end:]
         if envelope.HasField("refusal"):
             sys.exit(f"refused: {wire.RefusalReason.Name(envelope.refusal.reason)}: {envelope.refusal.text}")
+        if envelope.HasField("stop_report"):
+            report = envelope.stop_report
+            print(f"stop {report.code} ({report.side}): {report.text}")
         if envelope.HasField("arm_state"):
             self.state = envelope.arm_state
         return envelope

@@ -73,6 +73,17 @@ TEST_F(StopReport, NamesTheOperatorWhereStopWasSent) {
   EXPECT_EQ(stop.side(), "operator");
 }
 
+TEST_F(StopReport, IsToldToWhoeverComesLater) {
+  start_moving();
+  wire::Envelope envelope;
+  envelope.mutable_stop();
+  observer_->send(envelope);
+  told();
+  observer_ = std::make_unique<Peer>(rig_.link->port(), rig_.clock);
+  observer_->send(rig_.hello(wire::ROLE_OBSERVE));
+  EXPECT_EQ(told().code(), 601u);
+}
+
 TEST(BlackBoxOverTheLink, ComesInPiecesAndIsTheFile) {
   LinkRig rig;
   auto peer = rig.powered_commander();

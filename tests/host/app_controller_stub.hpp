@@ -11,7 +11,7 @@
 #include "protocol/arm_link.pb.h"
 #include "protocol/transport/framed_stream.hpp"
 
-namespace armsight::host::test {
+namespace armsight::test {
 
 /// Steps by hand.
 class ControllerStub {
@@ -83,4 +83,4 @@ class ServedStub {
   std::jthread thread_;
 };
 
-}  // namespace armsight::host::test
+}  // namespace armsight::test
