@@ -2,10 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tests/system/synthetic_run.hpp"
-#include "tools/report/report.hpp"
+#include "tools/report/bars.hpp"
 
 namespace armsight::demo {
 namespace {
@@ -94,6 +95,43 @@ TEST_F(ReportTest, JudgesTheGraspByTheTruthNotByTheVerdict) {
   EXPECT_FALSE(report.without_grasp.is_success);
   EXPECT_FALSE(report.without_grasp.does_verdict_agree);
   EXPECT_NEAR(1e3 * report.with_grasp.T_G_reached.p.norm(), 2.0, 0.01);
+}
+
+TEST_F(ReportTest, FindsEveryFigureThatIsMissed) {
+  EXPECT_EQ(missed_figures(report).size(), 1u) << "this run's verdict without filter is not the truth";
+  report.without_grasp.does_verdict_agree = true;
+  EXPECT_TRUE(missed_figures(report).empty());
+  const auto only_miss = [](const Report& r) {
+    const std::vector<std::string> missed = missed_figures(r);
+    return missed.size() == 1 ? missed.front() : std::to_string(missed.size()) + " missed";
+  };
+  Report r = report;
+  r.heldout.rms_deg = 1.2;
+  EXPECT_TRUE(only_miss(r).starts_with("Learn: held-out error")) << only_miss(r);
+  r.noise = "hard";
+  EXPECT_TRUE(missed_figures(r).empty()) << "its bars are wider";
+  r = report;
+  for (std::size_t i = 0; i < 3; ++i) r.with_filter[i].model_error.mm = 3.5;
+  EXPECT_TRUE(only_miss(r).starts_with("Adapt: commanded poses")) << only_miss(r);
+  r = report;
+  r.with_filter[2].model_error.mm = 30;
+  EXPECT_TRUE(missed_figures(r).empty()) << "it is a median";
+  r = report;
+  r.with_grasp.is_success = false;
+  EXPECT_TRUE(only_miss(r).starts_with("Act: the grasp")) << only_miss(r);
+  r = report;
+  r.with_grasp.does_verdict_agree = false;
+  EXPECT_TRUE(only_miss(r).starts_with("grasp with filter: the host's verdict")) << only_miss(r);
+  r = report;
+  r.controller.black_boxes = {"blackbox-1ms-fault104.mcap"};
+  EXPECT_TRUE(only_miss(r).ends_with("fault104.mcap")) << only_miss(r);
+}
+
+TEST_F(ReportTest, AFigureOfNothingIsMissedNotMet) {
+  report.heldout.rms_mm = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(missed_figures(report).size(), 2u);
+  report.with_filter.clear();
+  EXPECT_THROW(missed_figures(report), std::invalid_argument);
 }
 
 TEST_F(ReportTest, WritesTheKeysThatProgramsRelyOn) {

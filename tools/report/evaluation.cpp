@@ -36,14 +36,23 @@ double uniform(std::mt19937_64& random) { return static_cast<double>(random() >>
 }  // namespace
 
 PoseError error_between(const Pose& a, const Pose& b) {
-  return {1e3 * (a.p - b.p).norm(), kDegrees * rotation_angle(a.R, b.R)};
+  return {1e3 * (a.p - b.p).norm(), rotation_angle(a.R, b.R) / kDegree};
 }
 
 double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
+  if (values.empty()) throw std::invalid_argument("median of no values");
   std::ranges::sort(values);
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+PoseError median_model_error(const std::vector<CommandedPose>& poses) {
+  std::vector<double> mm, deg;
+  for (const CommandedPose& pose : poses) {
+    mm.push_back(pose.model_error.mm);
+    deg.push_back(pose.model_error.deg);
+  }
+  return {median(mm), median(deg)};
 }
 
 const TruthRow& row_at(const Truth& truth, std::int64_t arm_time_ns) {
@@ -102,7 +111,7 @@ GaugeAligned evaluate_parameters(const LearnedModel& truth, const CalibrateResul
   for (int i = 0; i < truth.beta.size(); ++i) {
     const auto at = static_cast<std::size_t>(i);
     const bool is_observable = at < result.sigma_beta_deg.size() && result.sigma_beta_deg[at].has_value();
-    if (is_observable) aligned.beta_error_deg.emplace_back(kDegrees * (result.model.beta(i) - truth.beta(i)));
+    if (is_observable) aligned.beta_error_deg.emplace_back((result.model.beta(i) - truth.beta(i)) / kDegree);
     else aligned.beta_error_deg.emplace_back(std::nullopt);
   }
   return aligned;
@@ -138,7 +147,7 @@ GraspEvaluation evaluate_grasp(const Truth& truth, const GraspResult& grasp) {
       grasp.verdict != "refused" && attempt != truth.grasps.end() && distance_ns(*attempt) < kClosingBound_ns;
   result.does_verdict_agree = (grasp.verdict == "grasped") == (result.was_closed && attempt->is_held);
   if (!result.was_closed) return result;
-  result.error = {1e3 * attempt->error_m, kDegrees * attempt->error_rad};
+  result.error = {1e3 * attempt->error_m, attempt->error_rad / kDegree};
   result.is_success = attempt->is_held && result.error.mm <= kSuccess_mm && result.error.deg <= kSuccess_deg;
 
   // The object is round: every yaw about z_O is as good. The nearest one has the hand's axis where the hand is.

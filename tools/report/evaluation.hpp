@@ -2,14 +2,10 @@
 // specification (§§5.3, 7): errors of the hand pose seen by the camera, so that no choice of gauge enters.
 #pragma once
 
-#include <numbers>
-
 #include "protocol/config.hpp"
 #include "tools/report/results.hpp"
 
 namespace armsight::demo {
-
-inline constexpr double kDegrees = 180.0 / std::numbers::pi;  ///< a radian in degrees
 
 struct PoseError {
   double mm = 0, deg = 0;
@@ -60,7 +56,10 @@ CommandedPose evaluate_move(const Truth& truth, const MoveResult& move, const Se
 /// Median over the moves of the model's error, were `model` in force.
 PoseError median_error(const Truth& truth, const std::vector<MoveResult>& moves, const LearnedModel& model,
                        const SerialChain& nominal);
+/// Throws std::invalid_argument for no values: nothing measured is no perfect score.
 double median(std::vector<double> values);
+/// Medians of the model's errors.
+PoseError median_model_error(const std::vector<CommandedPose>& poses);
 
 struct GraspEvaluation {
   bool was_closed = false;          ///< the hand closed at the goal: truth knows the attempt

@@ -97,7 +97,7 @@ Plot offset_plot(const Report& r) {
              .mark = series_mark(at)};
     for (const AdaptLook& look : r.adapt.looks) {
       s.x.push_back(static_cast<double>(s.x.size()));
-      s.y.push_back(kDegrees * look.delta_beta(joint));
+      s.y.push_back(look.delta_beta(joint) / kDegree);
     }
     plot.series.push_back(s);
   }
@@ -176,7 +176,7 @@ std::vector<Plot> error_figures(const Report& r) {
 std::vector<Plot> filter_figures(const Report& r) {
   return {convergence_plot(r),
           action_plot(r, "Camera position", "correction δt [mm]", "δt", 1e3, &AdaptLook::delta_t_m),
-          action_plot(r, "Camera orientation", "correction δϑ [°]", "δϑ", kDegrees, &AdaptLook::delta_theta_rad),
+          action_plot(r, "Camera orientation", "correction δϑ [°]", "δϑ", 1.0 / kDegree, &AdaptLook::delta_theta_rad),
           offset_plot(r)};
 }
 

@@ -62,18 +62,13 @@ std::string images(const Report& r, const std::string& phase) {
   return out.empty() ? out : "<div class=\"figures\">" + out + "</div>";
 }
 
-double median_of(const std::vector<CommandedPose>& poses, double PoseError::*norm) {
-  std::vector<double> values;
-  for (const CommandedPose& p : poses) values.push_back(p.model_error.*norm);
-  return median(values);
-}
-
 std::string grasp_words(const GraspEvaluation& g) {
   if (!g.was_closed) return "not attempted";
   return in_mm_and_deg(g.error.mm, g.error.deg);
 }
 
 std::string head(const Report& r) {
+  const PoseError without = median_model_error(r.without_filter), with = median_model_error(r.with_filter);
   const std::string verdict =
       r.with_grasp.is_success ? "The hand holds the object." : "The hand does not hold the object.";
   std::string out =
@@ -83,11 +78,8 @@ std::string head(const Report& r) {
       ". Every error is measured against the simulator's truth, which the programs never saw.</p><div class=\"tiles\">";
   out += tile("Learn: held out", in_mm_and_deg(r.heldout.rms_mm, r.heldout.rms_deg),
               "RMS over " + std::to_string(r.heldout.postures) + " postures never looked at");
-  out += tile("Drift, no filter",
-              in_mm_and_deg(median_of(r.without_filter, &PoseError::mm), median_of(r.without_filter, &PoseError::deg)),
-              "median of the commanded poses", "bad");
-  out += tile("Adapt: with filter",
-              in_mm_and_deg(median_of(r.with_filter, &PoseError::mm), median_of(r.with_filter, &PoseError::deg)),
+  out += tile("Drift, no filter", in_mm_and_deg(without.mm, without.deg), "median of the commanded poses", "bad");
+  out += tile("Adapt: with filter", in_mm_and_deg(with.mm, with.deg),
               "the same poses after " + std::to_string(r.adapt.looks.size()) + " looks", "good");
   out += tile("Act: without filter", r.without_grasp.is_success ? "held" : "missed", grasp_words(r.without_grasp),
               r.without_grasp.is_success ? "good" : "bad");
@@ -115,7 +107,7 @@ std::string calibration_section(const Report& r) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < r.parameters.beta_error_deg.size(); ++i) {
     rows.push_back({"offset of joint " + std::to_string(i + 1) + " [°]",
-                    n(kDegrees * c.model.beta(static_cast<Eigen::Index>(i))),
+                    n(c.model.beta(static_cast<Eigen::Index>(i)) / kDegree),
                     i < c.sigma_beta_deg.size() ? n(c.sigma_beta_deg[i]) : "–", n(r.parameters.beta_error_deg[i])});
   }
   rows.push_back({"camera position [mm]", "", n(c.sigma_camera_mm), n(r.parameters.camera.mm)});
@@ -139,7 +131,7 @@ std::string adapt_section(const Report& r) {
   for (std::size_t i = 0; i < r.adapt.looks.size(); ++i) {
     const AdaptLook& look = r.adapt.looks[i];
     rows.push_back({std::to_string(i + 1), escape_html(look.outcome), n(1e3 * look.innovation.head<3>().norm()),
-                    n(kDegrees * look.innovation.tail<3>().norm()), n(look.nis), n(look.cost), n(look.gain_norm),
+                    n(look.innovation.tail<3>().norm() / kDegree), n(look.nis), n(look.cost), n(look.gain_norm),
                     std::to_string(look.iterations)});
   }
   out += table({"look", "outcome", "innovation [mm]", "[°]", "NIS", "cost", "gain norm", "iterations"}, rows);
