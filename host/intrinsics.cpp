@@ -1,66 +1,35 @@
 #include "host/intrinsics.hpp"
 
-#include <yaml-cpp/yaml.h>
-
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "protocol/config.hpp"
+#include "protocol/strict_yaml.hpp"
 
 namespace armsight::host {
 namespace {
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const YAML::Mark& mark, const std::string& what) {
-  std::string where = file.string();
-  if (!mark.is_null()) where += ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
-  throw ConfigError(where + ": " + what);
-}
+constexpr int kLeastSide_px = 16, kMostSide_px = 16384;
+constexpr double kLargest = 1e6;  // of any number here; the rules of broken_rule are narrower
 
-YAML::Node need(const YAML::Node& root, const char* key, const std::filesystem::path& file) {
-  const YAML::Node node = root[key];
-  if (!node) refuse(file, root.Mark(), std::string(key) + ": is missing");
-  return node;
-}
-
-template <typename T>
-T number(const YAML::Node& node, const std::string& key, const std::filesystem::path& file) {
-  try {
-    return node.as<T>();
-  } catch (const YAML::Exception&) {
-    refuse(file, node.Mark(), key + " = " + (node.IsScalar() ? node.Scalar() : "…") + ": must be a number");
-  }
-}
-
-/// The data of a ROS or OpenCV matrix: {rows, cols, data}; `count` 0: any.
-std::vector<double> matrix_data(const YAML::Node& node, const std::string& key, std::size_t count,
-                                const std::filesystem::path& file) {
-  const YAML::Node data = node.IsMap() ? node["data"] : node;
-  if (!data || !data.IsSequence()) refuse(file, node.Mark(), key + ".data: must be a list of numbers");
+/// The data of a ROS or OpenCV matrix, {rows, cols, data}; empty: a violation was recorded.
+std::vector<double> matrix_data(const YamlValue& matrix, std::size_t min_size, std::size_t max_size) {
   std::vector<double> values;
-  for (const YAML::Node& entry : data) values.push_back(number<double>(entry, key + ".data", file));
-  if (count != 0 && values.size() != count) {
-    refuse(file, data.Mark(), key + ".data: has " + std::to_string(values.size()) + " numbers: must have " +
-                                  std::to_string(count));
+  for (const YamlValue& entry : matrix.key("data").list(min_size, max_size)) {
+    values.push_back(entry.number(-kLargest, kLargest));
   }
+  matrix.ignore_other_keys();
   return values;
 }
 
-YAML::Node parse(const std::filesystem::path& file) {
-  try {
-    const YAML::Node root = YAML::LoadFile(file.string());
-    if (!root.IsMap()) throw ConfigError(file.string() + ": must hold camera intrinsics (ROS or OpenCV YAML)");
-    return root;
-  } catch (const YAML::BadFile&) {
-    throw ConfigError(file.string() + ": cannot be read");
-  } catch (const YAML::Exception& error) {
-    refuse(file, error.mark, error.msg);
-  }
+bool is_pinhole(const std::vector<double>& K) {
+  return K[1] == 0.0 && K[3] == 0.0 && K[6] == 0.0 && K[7] == 0.0 && K[8] == 1.0;
 }
 
 }  // namespace
 
 std::string broken_rule(const Intrinsics& k) {
-  if (k.width < 16 || k.height < 16 || k.width > 16384 || k.height > 16384) {
+  if (std::min(k.width, k.height) < kLeastSide_px || std::max(k.width, k.height) > kMostSide_px) {
     return "image size = " + std::to_string(k.width) + " x " + std::to_string(k.height) + ": must be 16 to 16384 px";
   }
   for (const double value : {k.fx, k.fy, k.cx, k.cy, k.plumb_bob[0], k.plumb_bob[1], k.plumb_bob[2], k.plumb_bob[3],
@@ -73,32 +42,26 @@ std::string broken_rule(const Intrinsics& k) {
 }
 
 Intrinsics load_intrinsics(const std::filesystem::path& file) {
-  const YAML::Node root = parse(file);
-  const bool is_ros = static_cast<bool>(root["distortion_model"]);
-  if (is_ros && root["distortion_model"].Scalar() != "plumb_bob") {
-    refuse(file, root["distortion_model"].Mark(),
-           "distortion_model = " + root["distortion_model"].Scalar() + ": must be plumb_bob");
-  }
+  const StrictYaml yaml = StrictYaml::parse(read_text_file(file), file.string());
+  const YamlValue root = yaml.root();
   Intrinsics k;
-  k.width = number<int>(need(root, "image_width", file), "image_width", file);
-  k.height = number<int>(need(root, "image_height", file), "image_height", file);
-  const YAML::Node camera = need(root, "camera_matrix", file);
-  const std::vector<double> K = matrix_data(camera, "camera_matrix", 9, file);
-  if (K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
-    refuse(file, camera.Mark(), "camera_matrix: must be [fx 0 cx; 0 fy cy; 0 0 1]");
-  }
+  k.width = static_cast<int>(root.key("image_width").integer(kLeastSide_px, kMostSide_px));
+  k.height = static_cast<int>(root.key("image_height").integer(kLeastSide_px, kMostSide_px));
+  const YamlValue model = root.optional_key("distortion_model");  // ROS names it, OpenCV knows this one alone
+  if (model.exists() && model.text() != "plumb_bob") model.refuse("must be plumb_bob");
+  const YamlValue camera = root.key("camera_matrix");
+  const std::vector<double> K = matrix_data(camera, 9, 9);
+  const std::vector<double> lens = matrix_data(root.key("distortion_coefficients"), 4, 5);
+  root.ignore_other_keys();
+  yaml.finish();
   k.fx = K[0];
   k.fy = K[4];
   k.cx = K[2];
   k.cy = K[5];
-  const YAML::Node lens = need(root, "distortion_coefficients", file);
-  const std::vector<double> distortion = matrix_data(lens, "distortion_coefficients", 0, file);
-  if (distortion.size() != 4 && distortion.size() != 5) {
-    refuse(file, lens.Mark(), "distortion_coefficients: has " + std::to_string(distortion.size()) +
-                                  " numbers: must have 4 or 5 (k1 k2 p1 p2 k3)");
-  }
-  std::copy(distortion.begin(), distortion.end(), k.plumb_bob.begin());
-  if (const std::string rule = broken_rule(k); !rule.empty()) refuse(file, camera.Mark(), rule);
+  std::copy(lens.begin(), lens.end(), k.plumb_bob.begin());
+  if (!is_pinhole(K)) camera.refuse("must be [fx 0 cx; 0 fy cy; 0 0 1]");
+  else if (const std::string rule = broken_rule(k); !rule.empty()) camera.refuse(rule);
+  yaml.finish();
   return k;
 }
 

@@ -1,5 +1,6 @@
 // The camera's inner geometry: pinhole and plumb_bob distortion, in pixels; integer coordinates are pixel centres.
-// Files: ROS camera_info YAML and OpenCV FileStorage YAML, told apart by their keys, both read through yaml-cpp.
+// Files: ROS camera_info YAML and OpenCV FileStorage YAML, told apart by their keys, both read through
+// protocol/strict_yaml.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ struct Intrinsics {
   std::array<double, 5> plumb_bob{};  ///< k1 k2 p1 p2 k3
 };
 
-/// Throws ConfigError "file:line:column: key = value: rule"; a file that is not there is one, too.
+/// Throws ConfigError with every "file:line:column: key = value: rule"; keys of the formats that are not needed here are
+/// passed over.
 Intrinsics load_intrinsics(const std::filesystem::path& file);
 /// The rule that `k` breaks, or nothing: sizes, positive focal lengths, centre in the picture, finite numbers.
 std::string broken_rule(const Intrinsics& k);

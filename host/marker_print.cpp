@@ -53,7 +53,8 @@ void add_ruler(double x_mm, double y_mm, PrintLayout& layout) {
     layout.black.push_back({x_mm + mm - kLine_mm / 2, y_mm - height, kLine_mm, height});
     if (mm % 50 == 0) layout.texts.push_back({x_mm + mm + 0.8, y_mm - 5.6, 3.0, std::to_string(mm)});
   }
-  layout.texts.push_back({x_mm, y_mm + 5.0, 3.2, "100 mm between the outer ticks, else print again without scaling (100 %)"});
+  const std::string advice = "100 mm between the outer ticks, else print again without scaling (100 %)";
+  layout.texts.push_back({x_mm, y_mm + 5.0, 3.2, advice});
 }
 
 }  // namespace

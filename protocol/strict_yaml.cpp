@@ -91,7 +91,8 @@ void YamlValue::Document::find_unknown(const Node& node, const std::string& path
   if (!node.is_visited) return;
   for (const Node::Entry& e : node.entries) {
     if (e.is_used) find_unknown(*e.value, join_path(path, e.name));
-    else violations.push_back({e.place, join_path(path, shown(e.name)) + ": unknown key"});
+    else if (!node.may_have_others)
+      violations.push_back({e.place, join_path(path, shown(e.name)) + ": unknown key"});
   }
   for (std::size_t i = 0; i < node.elements.size(); ++i)
     find_unknown(*node.elements[i], path + "[" + std::to_string(i) + "]");

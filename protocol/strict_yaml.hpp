@@ -51,6 +51,8 @@ class YamlValue {
   /// Not empty, at most 256 bytes.
   std::string text() const;
 
+  /// For files in formats of others: keys of this mapping that nobody asked for are no violation.
+  void ignore_other_keys() const;
   /// Records a violation of a rule that only the reader knows: "<place>: key = value: <rule>".
   void refuse(const std::string& rule) const;
   const std::string& path() const { return path_; }

@@ -40,6 +40,7 @@ struct YamlValue::Node {
     return nullptr;
   }
   bool is_visited = false;  ///< somebody asked for something inside, so the rest inside is unknown
+  bool may_have_others = false;  ///< its unknown keys are somebody else's
 };
 
 struct YamlValue::Document {

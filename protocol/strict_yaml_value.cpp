@@ -34,6 +34,10 @@ std::optional<T> parse_number(std::string_view text, int base = 10) {
 
 bool YamlValue::exists() const { return node_ != nullptr; }
 
+void YamlValue::ignore_other_keys() const {
+  if (node_ != nullptr) node_->may_have_others = true;
+}
+
 void YamlValue::refuse(const std::string& rule) const {
   if (node_ == nullptr) return;  // its absence has been told
   std::string name = path_.empty() ? "the file" : path_;

@@ -104,14 +104,17 @@ TEST_F(VisionFiles, RosAndOpenCvIntrinsicsReadTheSame) {
 TEST_F(VisionFiles, BadIntrinsicsAreRefusedWithPlaceAndRule) {
   EXPECT_NE(refusal(with(kRosYaml, "300.5", "-1")).find("bad.yaml:4:"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, "300.5", "-1")).find("fx, fy: must be > 0"), std::string::npos);
-  EXPECT_NE(refusal(with(kRosYaml, "300.5", ".nan")).find("not finite"), std::string::npos);
+  EXPECT_NE(refusal(with(kRosYaml, "300.5", ".nan")).find("must be finite"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, "300.5", "wide")).find("must be a number"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, "plumb_bob", "equidistant")).find("must be plumb_bob"), std::string::npos);
   EXPECT_NE(refusal(with(kRosYaml, ", 0.003]", "]").replace(0, 0, "")).find("taken"),
             std::string::npos);  // four are allowed
-  EXPECT_NE(refusal(with(kRosYaml, ", -0.002, 0.003]", "]")).find("must have 4 or 5"), std::string::npos);
-  EXPECT_NE(refusal(with(kRosYaml, "image_width: 320\n", "")).find("image_width: is missing"), std::string::npos);
-  EXPECT_NE(refusal("[1, 2]").find("must hold camera intrinsics"), std::string::npos);
+  EXPECT_NE(refusal(with(kRosYaml, ", -0.002, 0.003]", "]")).find("must have 4 to 5"), std::string::npos);
+  EXPECT_NE(refusal(with(kRosYaml, "image_width: 320\n", "")).find("image_width: missing"), std::string::npos);
+  EXPECT_NE(refusal("[1, 2]").find("must be a mapping"), std::string::npos);
+  const std::string both = refusal(with(with(kRosYaml, "image_width: 320\n", ""), "300.5", "wide"));
+  EXPECT_NE(both.find("image_width: missing"), std::string::npos) << both;
+  EXPECT_NE(both.find("camera_matrix.data[0] = wide: must be a number"), std::string::npos) << both;
   EXPECT_NE(refusal("a: [").find("bad.yaml"), std::string::npos);
   EXPECT_THROW(load_intrinsics(folder.file("none.yaml")), ConfigError);
 }

@@ -28,7 +28,18 @@ forbid "protocol/transport/ knows neither program" 'arm_controller/|host/|tools/
 forbid "arm_controller/ has nothing of host/, OpenCV, Ceres" 'host/|tools/|tests/|opencv|ceres|nlohmann|CLI/' "${controller[@]}"
 forbid "host/ has nothing of arm_controller/" 'arm_controller/|tools/|tests/' "${host[@]}"
 
-# YAML stays in its one reader, Ceres in its one file, PF_CAN in its one.
-ceres=$(grep -lE '#include <ceres/' "${host[@]}" | wc -l)
-[[ $ceres -le 2 ]] || { printf 'Ceres is included by %s files of host/; batch_calibration and its cost are enough\n' "$ceres"; breaches=$((breaches + 1)); }
+# YAML stays in its one reader, PF_CAN in its one file, Ceres in its two.
+# only_in WHAT PATTERN FILE...: the pattern stands in exactly these files of the rooms.
+rooms=("${shared[@]}" "${protocol[@]}" "${transport[@]}" "${controller[@]}" "${host[@]}")
+only_in() {
+  local what=$1 pattern=$2; shift 2
+  local found
+  found=$(grep -lE "$pattern" "${rooms[@]}" | sort | tr '\n' ' ')
+  [[ ${found% } == "$*" ]] && return 0
+  printf '%s: it stands in: %s, and belongs in: %s\n' "$what" "${found% }" "$*"
+  breaches=$((breaches + 1))
+}
+only_in "yaml-cpp" '#[[:space:]]*include[[:space:]]*[<"]yaml-cpp/' protocol/strict_yaml.cpp
+only_in "PF_CAN, AF_CAN" '\b[AP]F_CAN[,;]' arm_controller/socket_can.cpp
+only_in "Ceres" '#[[:space:]]*include[[:space:]]*[<"]ceres/' host/batch_calibration_cost.hpp host/batch_calibration_refine.cpp
 exit "$((breaches > 0))"
