@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "shared/hand_eye.hpp"
@@ -11,7 +10,7 @@ namespace armsight::host {
 namespace {
 
 /// A prediction decides if the other solution is farther from it by this much more.
-constexpr double kDecisive_rad = 10.0 * std::numbers::pi / 180.0;
+constexpr double kDecisive_rad = 10.0 * kDegree;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/mat.hpp>
 #include <vector>
@@ -13,7 +12,7 @@ namespace {
 using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Jacobian8x6 = Eigen::Matrix<double, 8, 6>;
 
-constexpr double kDistinct_rad = 1.0 * std::numbers::pi / 180.0;
+constexpr double kDistinct_rad = 1.0 * kDegree;
 
 /// Corners without lens distortion, in pixels from the principal point: the error measure of this file.
 Vector8 ideal_corners(const Corners& corners_px, const Intrinsics& k) {

@@ -66,7 +66,7 @@ TEST(Visibility, RefusesBehindFarFrontalAndOutside) {
 TEST(Visibility, CovarianceMatchesTheTableOfTheSpecification) {
   // §5.4: 50 mm marker, f = 700, 0.25 px, Z = 0.35 m, tilt 40°: xy 0.06 mm, z 0.85 mm, tilt 0.28°, roll 0.14°
   Pose T;
-  T.R = so3_exp(Vector3(std::numbers::pi, 0, 0)) * so3_exp(Vector3(0, 40 * std::numbers::pi / 180, 0));
+  T.R = so3_exp(Vector3(std::numbers::pi, 0, 0)) * so3_exp(Vector3(0, 40 * kDegree, 0));
   T.p = Vector3(0, 0, 0.35);
   const std::optional<Matrix6> P = marker_covariance(problem().view, T, 0.05, 0.25);
   ASSERT_TRUE(P);

@@ -28,7 +28,7 @@ inline ArmModel test_arm() {
 }
 
 inline Pose test_T_C_B() {
-  const double c = std::cos(40 * std::numbers::pi / 180), s = std::sin(40 * std::numbers::pi / 180);
+  const double c = std::cos(40 * kDegree), s = std::sin(40 * kDegree);
   Pose T;
   T.R << 0, 0, 1, -c, s, 0, -s, -c, 0;
   T.p = Vector3(0.184, 0.112 * c + 0.045 * s, 0.112 * s - 0.045 * c);

@@ -86,8 +86,8 @@ TEST_F(Photos, PosesOfMarkersOnOneTableAgree) {
   mean.normalize();
   double worst = 0.0;
   for (const Vector3& normal : normals) worst = std::max(worst, std::acos(std::min(1.0, normal.dot(mean))));
-  std::printf("six markers: normals agree to %.1f deg\n", worst * 57.2958);
-  EXPECT_LT(worst * 57.2958, 6.0);
+  std::printf("six markers: normals agree to %.1f deg\n", worst / kDegree);
+  EXPECT_LT(worst / kDegree, 6.0);
 }
 
 TEST_F(Photos, BoardOfThirtyFiveFromItsOwnDictionary) {

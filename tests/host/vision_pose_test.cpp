@@ -11,7 +11,6 @@
 namespace armsight::host {
 namespace {
 
-using test::kDegree;
 using test::marker_pose;
 
 constexpr double kSide_m = 0.05;

@@ -13,7 +13,6 @@ namespace {
 
 using sim::Renderer;
 using sim::WorldView;
-using test::kDegree;
 using test::marker_pose;
 
 struct Renders : ::testing::Test {

@@ -39,7 +39,7 @@ inline ArmModel default_arm() {
 
 /// §4.6: the camera's nominal mount.
 inline Pose default_T_C_B() {
-  const double angle = 40.0 / 180.0 * std::numbers::pi;
+  const double angle = 40.0 * kDegree;
   const double c = std::cos(angle), s = std::sin(angle);
   Pose T;
   T.R << 0, 0, 1, -c, s, 0, -s, -c, 0;

@@ -66,11 +66,11 @@ TEST(InverseKinematics, KeepsThePositionWhereTheOrientationCannotBeMet) {
   for (int k = 0; k < 50; ++k) {
     const JointVector q = random_between(robot.min, robot.max, random);
     Pose goal = forward_kinematics(robot.chain, q);
-    goal.R = so3_exp(20.0 / 180.0 * std::numbers::pi * random_vector(1.0, random).normalized()) * goal.R;
+    goal.R = so3_exp(20.0 * kDegree * random_vector(1.0, random).normalized()) * goal.R;
     const auto solution = solve_ik(robot.chain, robot.min, robot.max, goal, q, {.limit_margin_rad = 0.0});
     ASSERT_TRUE(solution);
     EXPECT_LE(solution->position_error_m, 1e-9);
-    EXPECT_LE(solution->orientation_error_rad, 20.0 / 180.0 * std::numbers::pi + 1e-6);  // q itself has 20°
+    EXPECT_LE(solution->orientation_error_rad, 20.0 * kDegree + 1e-6);  // q itself has 20°
   }
 }
 

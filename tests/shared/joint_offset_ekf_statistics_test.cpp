@@ -12,7 +12,6 @@ namespace {
 
 using namespace test;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double gauge_information(const StateMatrix& P) {
   const StateVector g = gauge_direction();

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kFocal_px = 700.0;
 constexpr double kHalfSide_m = 0.025;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 using Corners = Eigen::Matrix<double, 8, 1>;
 

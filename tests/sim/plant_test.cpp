@@ -34,18 +34,18 @@ TEST_F(Robot, TruthComesFromTheSeedAlone) {
 TEST_F(Robot, ErrorsHaveTheFiguresOfTheNoiseSet) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const Truth t = truth(seed);
-    EXPECT_LE(t.beta.cwiseAbs().maxCoeff(), degrees(8));
+    EXPECT_LE(t.beta.cwiseAbs().maxCoeff(), 8 * kDegree);
     EXPECT_NEAR((t.T_H_M.p - robot.arm.T_H_M.p).norm(), 0.0005, 1e-12);
-    EXPECT_NEAR(rotation_angle(t.T_H_M.R, robot.arm.T_H_M.R), degrees(0.3), 1e-9);
+    EXPECT_NEAR(rotation_angle(t.T_H_M.R, robot.arm.T_H_M.R), 0.3 * kDegree, 1e-9);
     const Pose moved = t.T_C_B * robot.camera_hint_T_C_B.inverse();
     EXPECT_LE(moved.p.norm(), 0.05 + 1e-9);
-    EXPECT_LE(rotation_angle(moved.R, Matrix3::Identity()), degrees(10) + 1e-9);
+    EXPECT_LE(rotation_angle(moved.R, Matrix3::Identity()), 10 * kDegree + 1e-9);
     Truth drifted = t;
     inject_drift(drifted);
     const Pose drift = drifted.T_C_B * t.T_C_B.inverse();
     EXPECT_NEAR(drift.p.norm(), 0.015, 1e-9);
-    EXPECT_NEAR(rotation_angle(drift.R, Matrix3::Identity()), degrees(3), 1e-9);
-    EXPECT_LE((drifted.beta - t.beta).cwiseAbs().maxCoeff(), degrees(2));
+    EXPECT_NEAR(rotation_angle(drift.R, Matrix3::Identity()), 3 * kDegree, 1e-9);
+    EXPECT_LE((drifted.beta - t.beta).cwiseAbs().maxCoeff(), 2 * kDegree);
   }
   EXPECT_EQ(truth(1, NoiseSet::kClean).servo_residual[0].at(0.2), 0.0);
 }
@@ -70,7 +70,7 @@ TEST_F(Robot, ACameraAnywhereIsElsewhereAndFound) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Truth t = truth(seed, NoiseSet::kNominal, CameraMount::kAnywhere);
     const Pose moved = t.T_C_B * robot.camera_hint_T_C_B.inverse();
-    EXPECT_GT(rotation_angle(moved.R, Matrix3::Identity()), degrees(10));
+    EXPECT_GT(rotation_angle(moved.R, Matrix3::Identity()), 10 * kDegree);
     EXPECT_TRUE(is_rotation(t.T_C_B.R));
   }
 }
@@ -88,7 +88,7 @@ TEST_F(Robot, AJointSettlesAtItsTargetWithinSpeedAndResidual) {
   }
   EXPECT_LE(fastest, 6.0);
   const double off_rad = (motor.position_counts() - target) * 2 * std::numbers::pi / 32768;
-  EXPECT_LT(std::abs(off_rad), degrees(0.10) * 3.5) << "servo residual and jitter";
+  EXPECT_LT(std::abs(off_rad), 0.10 * kDegree * 3.5) << "servo residual and jitter";
   EXPECT_LT(std::abs(plant.speed_rad_s(3)), 1e-6);
 }
 

@@ -14,7 +14,6 @@
 namespace armsight::sim {
 namespace {
 
-using test::kDegree;
 using test::marker_pose;
 
 constexpr double kSide_m = 0.05;

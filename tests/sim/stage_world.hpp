@@ -10,8 +10,6 @@
 
 namespace armsight::test {
 
-inline constexpr double kDegree = std::numbers::pi / 180.0;
-
 inline RobotConfig default_robot() {
   return load_robot(ARMSIGHT_SOURCE_DIR "/arm_controller/config/ego_right_arm.yaml");
 }

@@ -9,7 +9,7 @@ namespace armsight::sim {
 namespace {
 
 constexpr double kMargin_px = 60.0;
-constexpr double kMaxTilt_rad = degrees(60);
+constexpr double kMaxTilt_rad = 60 * kDegree;
 constexpr int kPostures = 600;
 constexpr double kVisiblePart = 0.03;  // 5 % at the nominal mount (specification §4.6)
 constexpr int kTries = 400;
@@ -41,8 +41,8 @@ Pose carried(const Pose& nominal_T_C_B, Random& random) {
   constexpr double kWorkDistance_m = 0.30;
   const Pose T_B_C = nominal_T_C_B.inverse();
   const Vector3 centre = T_B_C * Vector3(0, 0, kWorkDistance_m);
-  const Matrix3 R = so3_exp(random.uniform(degrees(15), degrees(50)) * random.direction());
-  const Matrix3 roll = so3_exp({0, 0, random.uniform(-degrees(40), degrees(40))});
+  const Matrix3 R = so3_exp(random.uniform(15 * kDegree, 50 * kDegree) * random.direction());
+  const Matrix3 roll = so3_exp({0, 0, random.uniform(-40 * kDegree, 40 * kDegree)});
   Pose moved;
   moved.R = R * T_B_C.R * roll;
   moved.p = centre - random.uniform(1.0, 1.5) * kWorkDistance_m * moved.R.col(2);

@@ -1,9 +1,10 @@
 // How wrong is the simulated robot? The noise sets of specification §7.1, one row a set. SI units, 1σ unless named max.
 #pragma once
 
-#include <numbers>
 #include <optional>
 #include <string_view>
+
+#include "shared/geometry.hpp"
 
 namespace armsight::sim {
 
@@ -22,18 +23,16 @@ struct NoiseFigures {
   double drift_camera_m, drift_camera_rad, drift_beta_max_rad;  ///< between Learn and Adapt
 };
 
-constexpr double degrees(double d) { return d * std::numbers::pi / 180.0; }
-
 constexpr NoiseFigures noise_figures(NoiseSet set) {
   switch (set) {
     case NoiseSet::kClean:
-      return {0.25, 0.0, degrees(0.05), 0.0, 0.0, 0.0, 0.0, 0.0, degrees(8), 0.05, degrees(10), 0.0, 0.0, 0.0};
+      return {0.25, 0.0, 0.05 * kDegree, 0.0, 0.0, 0.0, 0.0, 0.0, 8 * kDegree, 0.05, 10 * kDegree, 0.0, 0.0, 0.0};
     case NoiseSet::kNominal:
-      return {0.25, 0.15, degrees(0.10), degrees(0.02), 0.0005, degrees(0.3), 0.0, degrees(0.10),
-              degrees(8), 0.05, degrees(10), 0.015, degrees(3), degrees(2)};
+      return {0.25, 0.15, 0.10 * kDegree, 0.02 * kDegree, 0.0005, 0.3 * kDegree, 0.0, 0.10 * kDegree,
+              8 * kDegree, 0.05, 10 * kDegree, 0.015, 3 * kDegree, 2 * kDegree};
     case NoiseSet::kHard:
-      return {0.5, 0.3, degrees(0.15), degrees(0.02), 0.001, degrees(0.5), 0.001, degrees(0.20),
-              degrees(8), 0.05, degrees(10), 0.030, degrees(6), degrees(5)};
+      return {0.5, 0.3, 0.15 * kDegree, 0.02 * kDegree, 0.001, 0.5 * kDegree, 0.001, 0.20 * kDegree,
+              8 * kDegree, 0.05, 10 * kDegree, 0.030, 6 * kDegree, 5 * kDegree};
   }
   return {};
 }
