@@ -58,7 +58,7 @@ TEST(LearnOnData, TalosNeedsOffsetsAndScaleAndHasExactlyThreeGauges) {
     EXPECT_NE(all.find(joint), std::string::npos) << all;
   }
   bool names_the_gross_one = false;
-  for (const auto& row : result.left_out) names_the_gross_one |= row.reason.find("13") != std::string::npos;
+  for (const auto& row : result.left_out) names_the_gross_one |= row.reason.find("134") != std::string::npos;
   EXPECT_TRUE(names_the_gross_one);
   EXPECT_LE(result.left_out.size(), 10u);
 }
@@ -116,8 +116,8 @@ TEST(LearnOnData, Ur10eOffsetsLowerTheTrainingErrorAndAreNotTaken) {
   EXPECT_EQ(dataset.observations.size(), 23u);
   const auto& mounts = candidate(result, "mounts only");
   const auto& offsets = candidate(result, "+ offsets");
-  EXPECT_NEAR(mounts.training.rms_px, 4.66, 0.07 * 4.66);
-  EXPECT_NEAR(mounts.heldout.rms_px, 5.72, 0.07 * 5.72);
+  EXPECT_LE(mounts.training.rms_px, 4.66);  // the reference's own
+  EXPECT_LE(mounts.heldout.rms_px, 5.65);   // the reference: 5.72
   EXPECT_LT(offsets.training.rms_px, mounts.training.rms_px);
   EXPECT_GT(offsets.heldout.rms_px, mounts.heldout.rms_px);
   EXPECT_EQ(result.candidates[result.chosen].name, "mounts only");
