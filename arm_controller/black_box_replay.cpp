@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "arm_controller/black_box_input.hpp"
 #include "arm_controller/build_id.hpp"
 #include "arm_controller/control_loop.hpp"
 #include "arm_controller/tick_recording.hpp"
@@ -33,7 +34,7 @@ class ReplayBus final : public CanBus {
     const wire::CanRecord& record = cycle->received[next++];
     out = {};
     out.frame.id = record.id();
-    out.frame.size = static_cast<std::uint8_t>(std::min<std::size_t>(record.data().size(), 8));
+    out.frame.size = static_cast<std::uint8_t>(record.data().size());
     std::memcpy(out.frame.data.data(), record.data().data(), out.frame.size);
     out.time = time_from_ns(record.time_ns());
     out.is_own_echo = record.is_own_echo();
@@ -54,10 +55,13 @@ class ReplayBus final : public CanBus {
 };
 
 std::string frame_text(std::uint32_t id, const void* data, std::size_t size) {
-  char text[40];
-  int at = std::snprintf(text, sizeof text, "%03X#", id);
-  for (std::size_t i = 0; i < size; ++i)
-    at += std::snprintf(text + at, sizeof text - static_cast<std::size_t>(at), "%02X", static_cast<const unsigned char*>(data)[i]);
+  char digits[16];
+  std::snprintf(digits, sizeof digits, "%03X#", id);
+  std::string text = digits;
+  for (std::size_t i = 0; i < size; ++i) {
+    std::snprintf(digits, sizeof digits, "%02X", static_cast<const unsigned char*>(data)[i]);
+    text += digits;
+  }
   return text;
 }
 
@@ -90,21 +94,6 @@ std::optional<std::string> difference_of_ticks(wire::TickRecord recorded, const 
   return "state of the tick: the readings, speeds, torques, model or hand differ";
 }
 
-TickInbox inbox_of(const wire::CycleInput& in) {
-  TickInbox inbox;
-  if (!in.orders().empty()) {
-    if (in.orders().size() != sizeof inbox) throw NotReplayable("messages of cycle " + std::to_string(in.cycle()) + ": wrong size");
-    std::memcpy(static_cast<void*>(&inbox), in.orders().data(), sizeof inbox);
-  }
-  inbox.stop = in.stop();
-  inbox.model_not_saved = in.model_not_saved();
-  inbox.lease.reset();
-  if (in.has_lease())
-    inbox.lease = Lease{in.lease_session(), time_from_ns(in.lease_until_ns()), time_from_ns(in.lease_heard_ns()),
-                        static_cast<FaultCode>(in.lease_why_free())};
-  return inbox;
-}
-
 class Replay {
  public:
   Replay(const wire::RecordingInfo& info, const wire::CheckpointRecord& checkpoint) : next_cycle_(checkpoint.cycle() + 1) {
@@ -127,7 +116,7 @@ class Replay {
     bus_.cycle = &cycle;
     bus_.next = 0;
     bus_.sent.clear();
-    loop_->repeat_cycle(time_from_ns(in.time_ns()), in.missed(), inbox_of(in));
+    loop_->repeat_cycle(time_from_ns(in.time_ns()), in.missed(), inbox_of(in, robot_.arm.joint_count()));
     ++result.cycles;
     result.frames_compared += cycle.sent.size();
     TickRecord record;
@@ -183,6 +172,7 @@ BlackBoxResult replay_black_box(const std::filesystem::path& file) {
     if (message.topic == "/can") {
       wire::CanRecord frame;
       parse(message, frame);
+      check_frame(frame);
       (frame.is_sent() ? cycle.sent : cycle.received).push_back(frame);
     }
     if (message.topic != "/input") continue;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -61,6 +62,40 @@ class BlackBoxFile : public ::testing::Test {
     });
   }
 
+  /// The same file with the first message of this topic that `change` takes (answers true) changed.
+  template <typename Message>
+  fs::path with_first(const std::string& topic, const std::function<bool(Message&)>& change) {
+    bool is_done = false;
+    return edited([&](RecordedMessage& message) {
+      Message parsed;
+      if (is_done || message.topic != topic || !parsed.ParseFromString(message.data) || !change(parsed)) return;
+      is_done = true;
+      message.data = parsed.SerializeAsString();
+    });
+  }
+
+  /// Why the file cannot be gone through; "": it can.
+  static std::string complaint(const fs::path& file) {
+    try {
+      replay_black_box(file);
+    } catch (const NotReplayable& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  /// What it says of a file whose first messages to a cycle were changed.
+  std::string complaint_with_orders(const std::function<void(TickInbox&)>& change) {
+    return complaint(with_first<wire::CycleInput>("/input", [&](wire::CycleInput& input) {
+      if (input.orders().size() != sizeof(TickInbox)) return false;
+      TickInbox inbox;
+      std::memcpy(static_cast<void*>(&inbox), input.orders().data(), sizeof inbox);
+      change(inbox);
+      input.set_orders(&inbox, sizeof inbox);
+      return true;
+    }));
+  }
+
   fs::path folder_ = fs::path(testing::TempDir()) / ("armsight-blackbox-" + std::to_string(getpid()));
   fs::path file_ = (fs::create_directories(folder_), folder_ / "box.mcap");
   ArmRig rig_;
@@ -117,6 +152,48 @@ TEST_F(BlackBoxFile, OfAnotherExecutableIsRefused) {
     message.data = checkpoint.SerializeAsString();
   });
   EXPECT_THROW(replay_black_box(changed), NotReplayable);
+}
+
+TEST_F(BlackBoxFile, WithAFrameThatNoBusCarriesIsRefused) {
+  live(300);
+  for (const bool is_sent : {true, false}) {
+    const auto change = [&](const std::function<void(wire::CanRecord&)>& set) {
+      return complaint(with_first<wire::CanRecord>("/can", [&](wire::CanRecord& frame) {
+        if (frame.is_sent() != is_sent) return false;
+        set(frame);
+        return true;
+      }));
+    };
+    EXPECT_NE(change([](auto& f) { f.set_data(std::string(9, 'x')); }).find("at most 8"), std::string::npos);
+    EXPECT_NE(change([](auto& f) { f.set_data(std::string(200, 'x')); }).find("200 bytes"), std::string::npos);
+    EXPECT_NE(change([](auto& f) { f.set_id(0x800); }).find("at most 0x7FF"), std::string::npos);
+    EXPECT_NE(change([](auto& f) { f.set_send_result(3); }).find("send_result = 3"), std::string::npos);
+  }
+}
+
+TEST_F(BlackBoxFile, WithMessagesThatNoLinkHandsOnIsRefused) {
+  live(300);
+  EXPECT_EQ(complaint_with_orders([](TickInbox&) {}), "");
+  const auto says = [&](const char* what, const std::function<void(TickInbox&)>& change) {
+    const std::string complaint = complaint_with_orders(change);
+    EXPECT_NE(complaint.find(what), std::string::npos) << what << ": " << complaint;
+  };
+  says("looks", [](TickInbox& inbox) { inbox.look_count = kMaxLooks + 1; });
+  says("look", [](TickInbox& inbox) { inbox.look_count = 1; });  // without angles
+  says("wish", [](TickInbox& inbox) { inbox.mode = {{7, 9}, static_cast<PowerWish>(2), false}; });
+  says("goal", [](TickInbox& inbox) { inbox.goal.emplace().kind = static_cast<GoalKind>(3); });
+  says("goal", [](TickInbox& inbox) { inbox.goal.emplace(); });          // without angles
+  says("proposal", [](TickInbox& inbox) { inbox.proposal.emplace(); });  // without offsets
+}
+
+TEST_F(BlackBoxFile, WithALeaseThatEndedInNoKnownWayIsRefused) {
+  live(300);
+  const fs::path changed = with_first<wire::CycleInput>("/input", [](wire::CycleInput& input) {
+    input.set_has_lease(true);
+    input.set_lease_why_free(9999);
+    return true;
+  });
+  EXPECT_NE(complaint(changed).find("lease_why_free = 9999"), std::string::npos);
 }
 
 }  // namespace
