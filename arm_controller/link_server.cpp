@@ -6,6 +6,9 @@ namespace armsight::arm {
 namespace {
 
 constexpr const char* kProgram = "arm_controller " ARMSIGHT_VERSION;
+// What one peer may keep us busy with: a host says some messages a cycle, none longer than 4 KiB.
+constexpr std::size_t kMaxQueued_bytes = 256 * 1024;
+constexpr std::size_t kMaxMessagesPerStep = 32;
 
 std::uint32_t sim_participant(std::string_view payload) {
   wire::Envelope envelope;
@@ -25,7 +28,17 @@ net::StreamOptions controllers_end() {
   net::StreamOptions options;
   options.max_incoming = wire::kMaxToController;
   options.max_outgoing = wire::kMaxFromController;
+  options.max_queued_bytes = kMaxQueued_bytes;
+  options.max_messages_at_once = kMaxMessagesPerStep;
   return options;
+}
+
+const Refused kStoppedBefore{wire::REFUSAL_REASON_WRONG_STATE, "stopped before it began"};
+
+/// What a Stop of the same step undoes: it is taken before them, and they must not act after it.
+bool moves(const wire::Envelope& e) {
+  const bool powers = e.has_mode_request() && e.mode_request().mode() == wire::MODE_HOLD;
+  return powers || e.has_joint_goal() || e.has_pose_goal() || e.has_hand_command();
 }
 
 std::string version_text(std::uint32_t version) {
@@ -47,9 +60,19 @@ LinkServer::LinkServer(const std::string& address, const RobotConfig& robot, con
 
 void LinkServer::step(Time now) {
   take_events(now);
-  for (const auto& event : server_.receive()) {
-    if (event.is_closed) forget(event.stream);
-    else handle(session_of(event.stream), event.message, now);
+  const std::vector<net::StreamServer::Event> events = server_.receive();
+  std::vector<std::optional<wire::Envelope>> envelopes(events.size());
+  std::size_t first_after_stop = 0;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events[i].is_closed) continue;
+    wire::Envelope& envelope = envelopes[i].emplace();
+    if (!envelope.ParseFromString(events[i].message.payload)) envelopes[i].reset();
+    else if (envelope.has_stop()) on_stop({session_of(events[i].stream), envelope, events[i].message.arrival, now});
+    if (envelopes[i] && envelope.has_stop()) first_after_stop = i + 1;
+  }
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (events[i].is_closed) forget(events[i].stream);
+    else handle(session_of(events[i].stream), envelopes[i], events[i].message.arrival, now, i < first_after_stop);
   }
   judge_pose_goal(now);
   if (lease_.session != 0 && now > lease_.until) end_lease(FaultCode::kLeaseSilent, now);
@@ -70,19 +93,21 @@ void LinkServer::forget(net::FramedStream* stream) {
   std::erase_if(sessions_, [stream](const auto& session) { return session->stream == stream; });
 }
 
-void LinkServer::handle(LinkSession& peer, const net::Received& received, Time now) {
-  if (!peer.stream->is_open()) return;
-  wire::Envelope envelope;
-  if (!envelope.ParseFromString(received.payload))
-    return protocol_error(peer, 0, {wire::REFUSAL_REASON_MALFORMED, "the frame holds no Envelope"}, now);
-  files_.record_link(true, peer.stream->peer_name(), envelope, now);
-  const Message m{peer, envelope, received.arrival, now};
-  if (envelope.has_stop()) {  // from everybody, with or without session, sequence, lease
-    mailboxes_.stop.set();
-    drop_pose_goal({wire::REFUSAL_REASON_WRONG_STATE, "stopped before it began"}, now);
-    return accept(m);
-  }
+void LinkServer::handle(LinkSession& peer, const std::optional<wire::Envelope>& envelope, Time arrival, Time now,
+                        bool is_before_stop) {
+  if (!peer.stream->is_open() || (envelope && envelope->has_stop())) return;
+  if (!envelope) return protocol_error(peer, 0, {wire::REFUSAL_REASON_MALFORMED, "the frame holds no Envelope"}, now);
+  files_.record_link(true, peer.stream->peer_name(), *envelope, now);
+  const Message m{peer, *envelope, arrival, now, is_before_stop};
   if (check_order_of_messages(m)) dispatch(m);
+}
+
+// From everybody, with or without session, sequence, lease; also from a peer that has hung up by now.
+void LinkServer::on_stop(const Message& m) {
+  files_.record_link(true, m.peer.stream->peer_name(), m.envelope, m.now);
+  mailboxes_.stop.set();
+  drop_pose_goal(kStoppedBefore, m.now);
+  accept(m);
 }
 
 bool LinkServer::check_order_of_messages(const Message& m) {
@@ -125,8 +150,9 @@ void LinkServer::dispatch(const Message& m) {
     case wire::Envelope::kHandPose:
     case wire::Envelope::kRecalibrationStart:
     case wire::Envelope::kModelProposal:
-      if (m.peer.session == lease_.session) return on_command(m);
-      return refuse(m, {wire::REFUSAL_REASON_NO_LEASE, "commands need the lease: send LeaseRequest first"});
+      if (m.peer.session != lease_.session)
+        return refuse(m, {wire::REFUSAL_REASON_NO_LEASE, "commands need the lease: send LeaseRequest first"});
+      return m.is_before_stop && moves(m.envelope) ? refuse(m, kStoppedBefore) : on_command(m);
     default: break;
   }
   protocol_error(m.peer, m.envelope.sequence(),

@@ -22,7 +22,7 @@ class LinkServer {
   LinkServer(const std::string& address, const RobotConfig& robot, const std::string& bus, Mailboxes& mailboxes,
              const LoopStatistics& statistics, FileWriter& files, net::Clock& clock);
 
-  /// Receives, judges, hands on.
+  /// Receives, judges, hands on: Stops first, and of each peer only so much that nobody waits behind a flood.
   void step(Time now);
   /// Sends what the cycle said, and the state every 20 ms.
   void publish(Time now);
@@ -38,12 +38,14 @@ class LinkServer {
     LinkSession& peer;
     const wire::Envelope& envelope;
     Time arrival, now;
+    bool is_before_stop = false;  ///< a Stop came behind it in the same step, and was taken first
     Tag tag() const { return {peer.session, envelope.sequence()}; }
   };
 
   LinkSession& session_of(net::FramedStream* stream);
   void forget(net::FramedStream* stream);
-  void handle(LinkSession& peer, const net::Received& received, Time now);
+  void handle(LinkSession& peer, const std::optional<wire::Envelope>& envelope, Time arrival, Time now, bool is_before_stop);
+  void on_stop(const Message& m);
   bool check_order_of_messages(const Message& m);
   void dispatch(const Message& m);
   void on_hello(const Message& m);

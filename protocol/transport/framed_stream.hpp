@@ -44,7 +44,8 @@ struct StreamOptions {
   wire::FrameType type = wire::FrameType::kLink;
   std::size_t max_incoming = wire::kMaxFromController;
   std::size_t max_outgoing = wire::kMaxToController;
-  std::size_t max_queued_bytes = 32 * 1024 * 1024;
+  std::size_t max_queued_bytes = 32 * 1024 * 1024;  ///< each way: unread beyond it waits in the socket, unsent closes
+  std::size_t max_messages_at_once = SIZE_MAX;      ///< of a peer of a StreamServer, at real pace; the rest waits
 };
 
 /// "HOST:PORT" → stream, within timeout; throws std::runtime_error "cannot reach HOST:PORT: reason".
@@ -61,6 +62,8 @@ class Listener {
   virtual std::uint16_t port() const = 0;
   virtual int descriptor() const = 0;
 };
+/// "HOST:PORT" as "127.0.0.1:PORT"; throws ConfigError or std::runtime_error where it does not resolve to loopback.
+std::string loopback_address(const std::string& address);
 std::unique_ptr<Listener> listen_tcp(const std::string& address);  ///< "ADDR:PORT", port 0: the system chooses
 std::unique_ptr<Listener> listen_unix(const std::string& path);
 

@@ -65,7 +65,7 @@ void SocketStream::read_available() {
     payloads.clear();
     const bool is_sound = decoder_.feed(std::span<const char>(bytes.data(), n), payloads);
     for (std::string& payload : payloads) {
-      incoming_bytes_ += payload.size();
+      incoming_bytes_ += payload.size() + wire::kFrameHeaderSize;  // or empty ones would never fill the queue
       incoming_.push_back(std::move(payload));
     }
     if (!is_sound) return close(std::string("bad frame: ") + wire::to_text(decoder_.error()));
@@ -75,7 +75,7 @@ void SocketStream::read_available() {
 std::string SocketStream::pop() {
   std::string payload = std::move(incoming_.front());
   incoming_.pop_front();
-  incoming_bytes_ -= payload.size();
+  incoming_bytes_ -= payload.size() + wire::kFrameHeaderSize;
   return payload;
 }
 

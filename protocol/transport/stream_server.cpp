@@ -45,6 +45,7 @@ struct StreamServer::Impl {
   bool has_open_stream(std::uint32_t id) const;
   void take_due(ChannelKey channel, std::span<const Time> arrivals, std::vector<Event>& events);
   void report_closed(std::vector<Event>& events);
+  bool may_hand_out_more(Peer& peer) const;
 };
 
 void StreamServer::Impl::accept_all() {
@@ -98,7 +99,7 @@ std::vector<int> StreamServer::Impl::descriptors() const {
 void StreamServer::Impl::receive_now(std::vector<Event>& events) {
   for (Peer& peer : peers) {
     if (!peer.is_introduced || (clock.is_lockstep() && peer.id != 0)) continue;
-    while (peer.stream->queued() > 0) {
+    for (std::size_t i = 0; i < options.max_messages_at_once && peer.stream->queued() > 0; ++i) {
       Received message{peer.stream->pop(), clock.now()};
       events.push_back({peer.stream.get(), false, std::move(message)});
     }
@@ -150,13 +151,19 @@ void StreamServer::Impl::receive_due(ChannelKey channel, std::vector<Event>& eve
   take_due(channel, arrivals, events);
 }
 
-/// A stream is reported closed once its last message was handed out. In lockstep what a closed stream still holds may be
-/// due in the next cycle; after that it was never reported as sent (its sender died in that cycle) and never acts.
-void StreamServer::Impl::report_closed(std::vector<Event>& events) {
+/// Of a closed stream that still holds messages. In lockstep they may be due in the next cycle; after that they were
+/// never reported as sent (their sender died in that cycle) and never act.
+bool StreamServer::Impl::may_hand_out_more(Peer& peer) const {
   constexpr int kLastDue = 2;
+  if (!peer.is_introduced) return false;
+  return !clock.is_lockstep() || ++peer.receives_after_close <= kLastDue;
+}
+
+/// A stream is reported closed once its last message was handed out.
+void StreamServer::Impl::report_closed(std::vector<Event>& events) {
   for (Peer& peer : peers) {
     if (peer.stream->is_open()) continue;
-    if (peer.stream->queued() > 0 && peer.is_introduced && ++peer.receives_after_close <= kLastDue) continue;
+    if (peer.stream->queued() > 0 && may_hand_out_more(peer)) continue;
     peer.is_reported_closed = true;
     if (peer.is_introduced) events.push_back({peer.stream.get(), true, {}});
   }

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <map>
 
+#include "protocol/recording.hpp"
+#include "protocol/recording.pb.h"
 #include "tests/arm_controller/link_rig.hpp"
 
 namespace armsight::arm::test {
@@ -292,6 +296,86 @@ TEST(Link, AHangUpStopsTheArmAtOnce) {
   peer->hang_up();
   rig.cycles(3);
   EXPECT_NE(rig.link->mode(), Mode::kServo);
+}
+
+/// A thousand heartbeats that a peer sent at once.
+void flood(Peer& peer) {
+  wire::Envelope beat;
+  beat.mutable_heartbeat();
+  for (int i = 0; i < 1000; ++i) peer.send(beat);
+}
+
+std::unique_ptr<Peer> observer(LinkRig& rig) {
+  auto peer = std::make_unique<Peer>(rig.link->port(), rig.clock);
+  peer->send(rig.hello(wire::ROLE_OBSERVE));
+  EXPECT_TRUE(rig.wait_for(*peer, [](const auto& e) { return e.has_hello_reply(); }));
+  return peer;
+}
+
+TEST(Link, WorksOffAFloodInPiecesAndLosesNothing) {
+  LinkRig rig;
+  auto peer = observer(rig);
+  flood(*peer);
+  std::map<std::int64_t, int> answered;  // by the time of the step
+  int all = 0;
+  for (int i = 0; i < 2000 && all < 1000; ++i) {
+    rig.cycle();
+    for (const wire::Envelope& e : peer->take())
+      if (e.has_heartbeat_reply()) ++answered[e.heartbeat_reply().arm_receive_time_ns()], ++all;
+  }
+  EXPECT_GE(all, 1000);
+  for (const auto& [time_ns, count] : answered) EXPECT_LE(count, 32);
+}
+
+TEST(Link, TakesAStopBeforeWhateverElseCame) {
+  LinkRig rig;
+  auto flooding = observer(rig), stopping = observer(rig);
+  flood(*flooding);
+  wire::Envelope stop;
+  stop.mutable_stop();
+  EXPECT_TRUE(rig.answer_to(*stopping, stopping->send(stop)).has_accepted());
+  rig.link.reset();
+  rig.files.reset();
+  std::ifstream in(rig.folder / "ticks.mcap", std::ios::binary);
+  RecordingReader reader(in);
+  std::map<std::int64_t, std::vector<bool>> is_stop;  // what came in a step, in the order it was taken
+  std::int64_t at_stop = 0;
+  for (RecordedMessage message; reader.next(message);) {
+    wire::LinkRecord record;
+    if (message.topic != "/link" || !record.ParseFromString(message.data) || !record.to_controller()) continue;
+    is_stop[record.time_ns()].push_back(record.envelope().has_stop());
+    if (record.envelope().has_stop()) at_stop = record.time_ns();
+  }
+  ASSERT_GT(is_stop[at_stop].size(), 1u);
+  EXPECT_TRUE(is_stop[at_stop].front());
+}
+
+TEST(Link, TakesTheStopOfAPeerThatHungUp) {
+  LinkRig rig;
+  auto commander = rig.powered_commander();
+  ASSERT_TRUE(rig.answer_to(*commander, commander->send(joint_goal(7, 0.4, 0.1))).has_accepted());
+  Peer passer_by(rig.link->port(), rig.clock);
+  wire::Envelope stop;
+  stop.mutable_stop();
+  passer_by.send(stop);
+  passer_by.hang_up();
+  const auto told = rig.wait_for(*commander, [](const auto& e) { return e.has_stop_report(); }, 100);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->stop_report().code(), static_cast<std::uint32_t>(FaultCode::kStopAsked));
+}
+
+TEST(Link, AGoalThatAStopFollowedInTheSameStepNeverActs) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  wire::Envelope stop;
+  stop.mutable_stop();
+  const std::uint64_t goal = peer->send(joint_goal(7, 0.4));
+  peer->send(stop);
+  const wire::Envelope answer = rig.answer_to(*peer, goal);
+  EXPECT_EQ(answer.refusal().reason(), wire::REFUSAL_REASON_WRONG_STATE);
+  EXPECT_EQ(answer.refusal().text(), "stopped before it began");
+  rig.cycles(20);
+  EXPECT_EQ(rig.loop->mode(), Mode::kHold);
 }
 
 }  // namespace
