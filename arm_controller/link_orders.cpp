@@ -135,6 +135,7 @@ std::optional<Refused> read_order(const wire::HandPose& in, const LinkView& view
                                                          std::to_string(view.robot.hand_marker.id)};
   if (!std::isfinite(in.reprojection_error_px()) || in.frames() == 0)
     return Refused{wire::REFUSAL_REASON_MALFORMED, "reprojection_error_px must be finite, frames at least 1"};
+  if (auto no = check_time(in.arm_capture_time_ns(), "arm_capture_time_ns")) return no;
   z.q = JointVector::Zero(view.robot.arm.joint_count());
   out.capture_time = time_from_ns(in.arm_capture_time_ns());
   out.time_bound = Duration{in.time_bound_ns()};

@@ -1,5 +1,6 @@
 #include "arm_controller/link_server.hpp"
 
+#include "protocol/convert.hpp"
 #include "protocol/framing.hpp"
 
 namespace armsight::arm {
@@ -122,6 +123,7 @@ bool LinkServer::check_order_of_messages(const Message& m) {
     m.peer.stream->close("protocol version");
     return false;
   }
+  if (const auto refused = check_time(e.sent_time_ns(), "sent_time_ns")) return no(refused->reason, refused->text);
   if (m.peer.session == 0 && !e.has_hello())
     return no(wire::REFUSAL_REASON_NO_HELLO, "the first message must be Hello");
   if (e.session() != m.peer.session)

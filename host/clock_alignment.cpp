@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "protocol/convert.hpp"
+
 namespace armsight::host {
 namespace {
 
@@ -11,9 +13,18 @@ constexpr double kSkewPrior = 50e-6;          // σ of the rate difference befor
 constexpr double kStampNoiseNs = 20e3;        // scheduling noise of a stamp: keeps the lowest round trips comparable
 constexpr double kStepMarginNs = 1e6;         // a step is a miss of more than the bounds and this
 
+/// The three stamps that came over the wire (the first is the peer's echo): their sums must not overflow.
+bool is_on_the_wire(const ClockExchange& e) {
+  return is_wire_time(to_ns(e.host_send)) && is_wire_time(to_ns(e.arm_receive)) && is_wire_time(to_ns(e.arm_send));
+}
+
 }  // namespace
 
 void ClockAlignment::add(const ClockExchange& exchange) {
+  if (!is_on_the_wire(exchange)) {
+    ++dropped_;
+    return;
+  }
   const Duration out = exchange.arm_receive - exchange.host_send;
   const Duration back = exchange.arm_send - exchange.host_receive;
   const Duration round_trip = (exchange.host_receive - exchange.host_send) - (exchange.arm_send - exchange.arm_receive);

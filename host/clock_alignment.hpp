@@ -31,7 +31,7 @@ class ClockAlignment {
   static constexpr double kMaxSkew = 200e-6;  ///< two crystals of ±100 ppm
   static constexpr int kStepSamples = 5;      ///< so many exchanges in a row off the line: the clock has stepped
 
-  /// Takes an exchange; one whose stamps run backwards is dropped and counted.
+  /// Takes an exchange; one whose stamps run backwards, or lie beyond kMaxWireTime_ns, is dropped and counted.
   void add(const ClockExchange& exchange);
 
   /// nullopt before the first exchange, and after a step until exchanges came again.

@@ -28,6 +28,11 @@ std::optional<Refused> check_finite_and_size(const google::protobuf::RepeatedFie
 
 }  // namespace
 
+std::optional<Refused> check_time(std::int64_t ns, const char* field) {
+  if (is_wire_time(ns)) return std::nullopt;
+  return refuse(wire::REFUSAL_REASON_MALFORMED, field, "must be within 2^61 ns of zero");
+}
+
 void to_wire(const Pose& T, wire::Pose* out) {
   Eigen::Quaterniond quat(T.R);
   if (quat.w() < 0) quat.coeffs() = -quat.coeffs();  // one of the two: equal poses are equal bytes

@@ -364,6 +364,17 @@ TEST(Link, TakesTheStopOfAPeerThatHungUp) {
   EXPECT_EQ(told->stop_report().code(), static_cast<std::uint32_t>(FaultCode::kStopAsked));
 }
 
+TEST(Link, RefusesTimesWhoseDifferencesOverflow) {
+  LinkRig rig;
+  auto peer = rig.powered_commander();
+  peer->clock_offset_ns = std::numeric_limits<std::int64_t>::min() / 2;
+  wire::Envelope beat;
+  beat.mutable_heartbeat();
+  const wire::Envelope answer = rig.answer_to(*peer, peer->send(beat));
+  EXPECT_EQ(answer.refusal().reason(), wire::REFUSAL_REASON_MALFORMED);
+  EXPECT_NE(answer.refusal().text().find("sent_time_ns"), std::string::npos) << answer.refusal().text();
+}
+
 TEST(Link, AGoalThatAStopFollowedInTheSameStepNeverActs) {
   LinkRig rig;
   auto peer = rig.powered_commander();

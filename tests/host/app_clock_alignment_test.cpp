@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "host/clock_alignment.hpp"
@@ -94,6 +95,21 @@ TEST(ClockAlignment, DropsStampsThatRunBackwards) {
   alignment.add({time_from_ns(100), time_from_ns(50), time_from_ns(90), time_from_ns(110)});
   EXPECT_EQ(alignment.dropped(), 2);
   EXPECT_FALSE(alignment.bound().has_value());
+}
+
+TEST(ClockAlignment, DropsTimesWhoseDifferencesOverflow) {
+  ClockAlignment alignment;
+  Clocks clocks{0.2, 0.0};
+  for (const std::int64_t far : {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+    ClockExchange e = clocks.exchange(1e-4, 0, 1e-4, 0);
+    e.arm_receive = e.arm_send = time_from_ns(far);
+    alignment.add(e);
+    e = clocks.exchange(1e-4, 0, 1e-4, 0);
+    e.host_send = time_from_ns(far);
+    alignment.add(e);
+  }
+  EXPECT_EQ(alignment.dropped(), 4);
+  EXPECT_FALSE(alignment.bound());
 }
 
 }  // namespace
