@@ -7,8 +7,8 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
-#include <variant>
 #include <vector>
 
 #include "arm_controller/black_box.hpp"
@@ -22,8 +22,7 @@ namespace {
 constexpr auto kPollPeriod = std::chrono::milliseconds(5);
 constexpr std::uint64_t kTicksPerFlush = 250;
 constexpr double kMovedAtAll_rad = 0.01;
-
-using Job = std::variant<ModelEvent, wire::LinkRecord>;
+constexpr std::size_t kMaxWaiting_bytes = 2 * 1024 * 1024;  // of the link: a disk that sleeps for a minute loses nothing
 
 wire::RecordingInfo make_info(const RobotConfig& robot, const std::string& bus, const std::string& configuration) {
   wire::RecordingInfo info;
@@ -49,8 +48,8 @@ struct FileWriter::Impl {
   void write_black_box(const FaultEvent& fault);
   void save_position();
   void save(const ModelEvent& model);
-  void post(Job job);
-  void check(const TickRecording& written, const char* what);
+  void post(wire::LinkRecord record);
+  void tell_broken(const std::string& sentence);
 
   std::filesystem::path folder;
   RobotConfig robot;
@@ -64,12 +63,16 @@ struct FileWriter::Impl {
   mutable std::mutex mutex;
   std::filesystem::path newest_black_box;
   std::condition_variable wake, done;
-  std::vector<Job> jobs;
+  std::vector<wire::LinkRecord> link_records;
+  std::size_t waiting_bytes = 0;
+  std::optional<ModelEvent> model;  ///< to be saved: the file holds one, so the newest is enough
   std::uint64_t requested = 0, completed = 0;
   bool leaves = false;
   std::atomic<std::uint64_t> saved_revision{0};
   StickyFlag save_failed;
   std::atomic<bool> recording_is_broken{false};
+  std::atomic<std::uint64_t> link_records_lost{0};
+  std::set<std::string> told_broken;
   std::string last_complaint;
   std::thread thread;
 };
@@ -97,20 +100,21 @@ FileWriter::~FileWriter() {
 void FileWriter::Impl::run() {
   setpriority(PRIO_PROCESS, 0, 5);  // of this thread: after the cycle and the link
   for (bool is_last = false; !is_last;) {
-    std::vector<Job> work;
+    std::vector<wire::LinkRecord> records;
+    std::optional<ModelEvent> to_save;
     std::uint64_t ticket = 0;
     {
       std::unique_lock lock(mutex);
-      wake.wait_for(lock, kPollPeriod, [this] { return leaves || requested > completed || !jobs.empty(); });
-      work.swap(jobs);
+      wake.wait_for(lock, kPollPeriod, [this] { return leaves || requested > completed || model || !link_records.empty(); });
+      records.swap(link_records);
+      waiting_bytes = 0;
+      to_save.swap(model);
       ticket = requested;
       is_last = leaves;
     }
     drain_tape();
-    for (const Job& job : work) {
-      if (const auto* model = std::get_if<ModelEvent>(&job)) save(*model);
-      else recording->write(std::get<wire::LinkRecord>(job));
-    }
+    if (to_save) save(*to_save);
+    for (const wire::LinkRecord& record : records) recording->write(record);
     {
       const std::lock_guard lock(mutex);
       completed = ticket;
@@ -133,7 +137,7 @@ void FileWriter::Impl::drain_tape() {
     if (++ticks_written % kTicksPerFlush != 0) continue;
     recording->flush();
     save_position();
-    check(*recording, "ticks.mcap");
+    if (!recording->is_good()) tell_broken((folder / "ticks.mcap").string() + ": cannot be written to its end (disk full?)");
   }
   Event event;
   while (tape.events.pop(event))
@@ -141,9 +145,8 @@ void FileWriter::Impl::drain_tape() {
 }
 
 void FileWriter::Impl::write_black_box(const FaultEvent& fault) {
-  const auto file = folder / ("blackbox-" + std::to_string(to_ns(fault.time) / 1'000'000) + "ms-fault" +
-                              std::to_string(static_cast<int>(fault.fault.code)) + ".mcap");
   try {
+    const std::filesystem::path file = new_black_box_file(folder, fault);
     last_ticks.write(file, info);
     std::fprintf(stderr, "arm_controller: fault %d (%s): %s; last %zu cycles in %s\n", static_cast<int>(fault.fault.code),
                  fault_side(fault.fault.code), fault_text(fault.fault).c_str(), last_ticks.size(), file.c_str());
@@ -155,7 +158,7 @@ void FileWriter::Impl::write_black_box(const FaultEvent& fault) {
   }
 }
 
-// A disk that is full costs the comparison at the next start, no more: nothing is said here that the recordings do not say.
+// A disk that is full costs the comparison at the next start, no more.
 void FileWriter::Impl::save_position() {
   const bool is_known = last_position.size() != 0;
   const bool has_moved = is_known && (saved_position.size() == 0 ||
@@ -164,15 +167,15 @@ void FileWriter::Impl::save_position() {
   try {
     save_last_position(folder, robot, last_position);
     saved_position = last_position;
-  } catch (const std::exception&) {
-    recording_is_broken = true;
+  } catch (const std::exception& e) {
+    tell_broken(e.what());
   }
 }
 
 // A full disk ends a recording, not the arm; whoever relies on it must learn.
-void FileWriter::Impl::check(const TickRecording& written, const char* what) {
-  if (written.is_good() || recording_is_broken.exchange(true)) return;
-  std::fprintf(stderr, "arm_controller: %s: cannot be written to its end (disk full?)\n", (folder / what).c_str());
+void FileWriter::Impl::tell_broken(const std::string& sentence) {
+  recording_is_broken = true;
+  if (told_broken.insert(sentence).second) std::fprintf(stderr, "arm_controller: %s\n", sentence.c_str());
 }
 
 void FileWriter::Impl::save(const ModelEvent& model) {
@@ -187,15 +190,29 @@ void FileWriter::Impl::save(const ModelEvent& model) {
   }
 }
 
-void FileWriter::Impl::post(Job job) {
+// The link never waits for the disk: what finds no room is counted, and told in the statistics.
+void FileWriter::Impl::post(wire::LinkRecord record) {
+  const std::size_t bytes = sizeof record + record.ByteSizeLong();
   {
     const std::lock_guard lock(mutex);
-    jobs.push_back(std::move(job));
+    if (waiting_bytes + bytes > kMaxWaiting_bytes) {
+      if (link_records_lost.fetch_add(1, std::memory_order_relaxed) == 0)
+        std::fprintf(stderr, "arm_controller: ticks.mcap: the disk is too slow for the link, messages go unrecorded\n");
+      return;
+    }
+    waiting_bytes += bytes;
+    link_records.push_back(std::move(record));
   }
   wake.notify_one();
 }
 
-void FileWriter::save_model(const ModelEvent& model) { impl_->post(model); }
+void FileWriter::save_model(const ModelEvent& model) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->model = model;
+  }
+  impl_->wake.notify_one();
+}
 
 void FileWriter::record_link(bool to_controller, const std::string& peer, const wire::Envelope& envelope, Time now) {
   wire::LinkRecord record;
@@ -212,6 +229,9 @@ std::filesystem::path FileWriter::newest_black_box() const {
   return impl_->newest_black_box;
 }
 bool FileWriter::recording_is_broken() const { return impl_->recording_is_broken.load(std::memory_order_relaxed); }
+std::uint64_t FileWriter::link_records_lost() const {
+  return impl_->link_records_lost.load(std::memory_order_relaxed);
+}
 bool FileWriter::take_save_failure() { return impl_->save_failed.take(); }
 
 void FileWriter::wait_idle() {

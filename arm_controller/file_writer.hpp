@@ -23,15 +23,17 @@ class FileWriter {
   /// Moves the last recording aside and starts a new one; throws std::runtime_error where that cannot be.
   void begin(Time now);
 
-  // Link thread only.
+  // Link thread only; none waits for the disk. Of the models that were not saved yet the newest is.
   void save_model(const ModelEvent& model);
   void record_link(bool to_controller, const std::string& peer, const wire::Envelope& envelope, Time now);
   /// All revisions up to this one are on disk.
   std::uint64_t saved_revision() const;
   /// True once for each model that could not be saved (or for several at once).
   bool take_save_failure();
-  /// A recording or a black box could not be written to its end; said once on stderr.
+  /// A recording, a black box or the last position could not be written; each file is said once on stderr.
   bool recording_is_broken() const;
+  /// Messages of the link that found no room on the way to ticks.mcap; the first is said on stderr.
+  std::uint64_t link_records_lost() const;
   /// The newest black box; empty: none was written by this run.
   std::filesystem::path newest_black_box() const;
   /// Returns when everything queued so far is done.

@@ -182,6 +182,7 @@ void LinkServer::publish_statistics(Time now) {
   s.set_protocol_errors(protocol_errors_);
   s.set_events_lost(mailboxes_.events.overflows());
   s.set_ticks_unrecorded(statistics_.tape_overflows.load(std::memory_order_relaxed));
+  s.set_link_unrecorded(files_.link_records_lost());
   s.set_recording_is_broken(files_.recording_is_broken());
   for (const CheckLine& line : short_of_) s.add_degraded("node " + std::to_string(line.node) + ": " + line.text);
   broadcast(envelope, now);

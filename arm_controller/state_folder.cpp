@@ -54,9 +54,19 @@ void save_model_in_force(const std::filesystem::path& folder, const RobotConfig&
 }
 
 std::filesystem::path new_recording_file(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / "ticks.mcap";
-  std::error_code ignored_if_there_is_none;
-  std::filesystem::rename(file, folder / "ticks-previous.mcap", ignored_if_there_is_none);
+  const std::filesystem::path file = folder / "ticks.mcap", previous = folder / "ticks-previous.mcap";
+  std::error_code error;
+  std::filesystem::rename(file, previous, error);
+  const bool is_done = !error || error == std::errc::no_such_file_or_directory;
+  if (!is_done) throw std::runtime_error(file.string() + ": cannot become " + previous.string() + ": " + error.message());
+  return file;
+}
+
+std::filesystem::path new_black_box_file(const std::filesystem::path& folder, const FaultEvent& fault) {
+  const std::string name = "blackbox-" + std::to_string(to_ns(fault.time) / 1'000'000) + "ms-fault" +
+                           std::to_string(static_cast<int>(fault.fault.code));
+  std::filesystem::path file = folder / (name + ".mcap");
+  for (int i = 2; std::filesystem::exists(file); ++i) file = folder / (name + "-" + std::to_string(i) + ".mcap");
   return file;
 }
 

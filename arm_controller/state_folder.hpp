@@ -16,7 +16,10 @@ namespace armsight::arm {
 StartModel load_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot);
 /// Atomic. Throws std::runtime_error.
 void save_model_in_force(const std::filesystem::path& folder, const RobotConfig& robot, const ModelEvent& model);
-/// Where the new ticks.mcap goes; the one before becomes ticks-previous.mcap.
+/// Where the new ticks.mcap goes; the one before becomes ticks-previous.mcap. Throws std::runtime_error where it cannot.
 std::filesystem::path new_recording_file(const std::filesystem::path& folder);
+/// blackbox-12034ms-fault104.mcap; ms count from the start of the program, so where an earlier run had the same moment,
+/// -2, -3 … follows.
+std::filesystem::path new_black_box_file(const std::filesystem::path& folder, const FaultEvent& fault);
 
 }  // namespace armsight::arm

@@ -99,6 +99,7 @@ void list(const wire::ControllerStatistics& m, FieldList& out) {
   out.number("rate_hz", m.rate_hz()).integer("cycles", m.cycles()).integer("missed", m.missed());
   out.integer("looks_overflowed", m.looks_overflowed()).integer("protocol_errors", m.protocol_errors());
   out.integer("events_lost", m.events_lost()).integer("ticks_unrecorded", m.ticks_unrecorded());
+  out.integer("link_unrecorded", m.link_unrecorded());
 }
 
 std::string to_text(const Field& field) {
