@@ -5,6 +5,8 @@
 #include <map>
 #include <string_view>
 
+#include "protocol/transport/framed_stream.hpp"
+
 namespace armsight::arm {
 
 const char* const kHelp =
@@ -23,7 +25,7 @@ const char* const kHelp =
     "  --require-rt           refuse to run without SCHED_FIFO and locked memory\n"
     "  --help\n"
     "\n"
-    "Exit codes: 0 left as asked, 2 bad flag, file or configuration, 3 bus or simulated clock lost.\n";
+    "Exit codes: 0 left as asked, 1 gave up (a mistake of ours), 2 bad flag, file or configuration, 3 bus or simulated clock lost.\n";
 
 namespace {
 
@@ -41,17 +43,17 @@ double rate(const std::string& value) {
   return hz;
 }
 
-void check_loopback(const std::string& address) {
-  const std::size_t colon = address.rfind(':');
-  const std::string host = colon == std::string::npos ? address : address.substr(0, colon);
-  const bool is_loopback = host == "localhost" || host == "::1" || host == "[::1]" || host.rfind("127.", 0) == 0;
-  if (colon == std::string::npos) throw FlagError("--listen " + address + ": must be ADDR:PORT");
-  if (!is_loopback)
-    throw FlagError("--listen " + address + ": the link has no encryption yet and is offered on loopback only " +
-                    "(127.0.0.1:PORT); reach it from elsewhere through an ssh tunnel");
+// What the name means is settled once, here: a second look-up might answer otherwise.
+std::string loopback(const std::string& address) {
+  try {
+    return net::loopback_address(address);
+  } catch (const std::exception& e) {
+    throw FlagError("--listen " + address + ": " + e.what() + "; the link has no encryption yet and is offered on " +
+                    "loopback only (127.0.0.1:PORT); reach it from elsewhere through an ssh tunnel");
+  }
 }
 
-void check(const Flags& flags) {
+void check(Flags& flags) {
   if (!flags.replay.empty()) return;  // touches no bus, no socket, no state
   const auto need = [](const std::string& value, const char* flag) {
     if (value.empty()) throw FlagError(std::string(flag) + " is missing (see --help)");
@@ -63,7 +65,7 @@ void check(const Flags& flags) {
     throw FlagError("exactly one of --can IFACE and --bus emulated:PATH is needed (see --help)");
   if (!flags.can.empty() && !flags.sim_clock.empty())
     throw FlagError("--clock sim:PATH: a CAN interface runs at real pace only");
-  check_loopback(flags.listen);
+  flags.listen = loopback(flags.listen);
 }
 
 }  // namespace

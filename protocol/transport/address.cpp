@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "protocol/config_error.hpp"
+#include "protocol/transport/framed_stream.hpp"
 #include "protocol/transport/socket_stream.hpp"
 
 namespace armsight::net {
@@ -28,6 +29,12 @@ asio::ip::tcp::endpoint resolve_tcp(const std::string& address) {
   const auto found = resolver.resolve(asio::ip::tcp::v4(), host, port, failed);
   if (failed || found.empty()) throw std::runtime_error("address '" + address + "': " + failed.message());
   return found.begin()->endpoint();
+}
+
+std::string loopback_address(const std::string& address) {
+  const asio::ip::tcp::endpoint endpoint = resolve_tcp(address);
+  if (endpoint.address().is_loopback()) return endpoint.address().to_string() + ":" + std::to_string(endpoint.port());
+  throw ConfigError("means " + endpoint.address().to_string());
 }
 
 asio::local::stream_protocol::endpoint unix_endpoint(const std::string& path) {
