@@ -1,16 +1,6 @@
 #include "arm_controller/adaptation.hpp"
 
-#include <Eigen/Cholesky>
-
 namespace armsight::arm {
-namespace {
-
-constexpr double kMaxBeta_rad = 0.34907;        ///< 20°: specification §7.1 draws ±8° and drifts by 5°
-constexpr double kMaxCameraDistance_m = 5.0;
-constexpr double kMaxSigma = 1.0;               ///< m or rad: wider than any prior
-
-}  // namespace
-
 Adaptation::Adaptation(const RobotConfig& robot, const StartModel& start)
     : chain_(robot.arm.chain), time_bound_(seconds_to_duration(robot.controller.look_time_bound_s)),
       max_speed_rad_s_(robot.controller.look_max_speed_rad_s), filter_(robot.arm.chain, robot.filter),
@@ -79,22 +69,10 @@ void Adaptation::fill(FilterEvent& event) const noexcept {
   event.hand_sigma = filter_.predicted_hand_covariance(event.q_reading_rad).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-bool Adaptation::is_plausible(const LearnedModel& model) noexcept {
-  return model.beta.cwiseAbs().maxCoeff() <= kMaxBeta_rad && model.T_C_B.p.norm() <= kMaxCameraDistance_m;
-}
-
-bool Adaptation::is_plausible(const Proposal& proposal) noexcept {
-  if (!is_plausible(proposal.model)) return false;
-  if (!proposal.has_covariance) return true;
-  if (proposal.P.diagonal().minCoeff() < 0.0 || proposal.P.diagonal().maxCoeff() > kMaxSigma * kMaxSigma) return false;
-  const StateMatrix lifted = proposal.P + 1e-12 * StateMatrix::Identity(proposal.P.rows(), proposal.P.cols());
-  return Eigen::LLT<StateMatrix>(lifted).info() == Eigen::Success;
-}
-
 AnswerEvent Adaptation::take(const Proposal& proposal) noexcept {
   if (proposal.parent_revision != model_.revision)
     return {proposal.tag, Answer::kStaleModel, "parent_revision is not the revision in force"};
-  if (!is_plausible(proposal))
+  if (!is_plausible(proposal.model) || (proposal.has_covariance && !is_plausible_covariance(proposal.P)))
     return {proposal.tag, Answer::kImplausible, "an offset above 20 deg, a camera beyond 5 m, or a bad covariance"};
   const std::uint64_t revision = model_.revision + 1;
   model_ = proposal.model;

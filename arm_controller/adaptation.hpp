@@ -36,8 +36,6 @@ class Adaptation {
   AnswerEvent take(const Proposal& proposal) noexcept;
 
  private:
-  static bool is_plausible(const LearnedModel& model) noexcept;
-  static bool is_plausible(const Proposal& proposal) noexcept;
   void fill(FilterEvent& event) const noexcept;
   /// False: the look led to a model beyond reason; filter and model stand as before.
   bool fuse(const HandPoseMeasurement& z, FusionReport& report) noexcept;

@@ -12,7 +12,7 @@ namespace armsight {
 namespace {
 
 constexpr std::int64_t kFormatVersion = 1;
-constexpr double kMaxOffset_m = 10.0, kMaxBeta_rad = 1.0, kMaxVariance = 100.0, kMaxReport = 1e12;
+constexpr double kMaxReport = 1e12;
 
 std::string number(double value) {
   if (!std::isfinite(value)) throw std::invalid_argument("model file: a number is not finite");
@@ -53,19 +53,22 @@ StateMatrix read_covariance(const YamlValue& value, int size) {
   Eigen::Index row = 0;
   const auto n = static_cast<std::size_t>(size);
   for (const YamlValue& line : value.list(n, n)) {
-    const std::vector<double> v = line.numbers(n, -kMaxVariance, kMaxVariance);
+    const std::vector<double> v = line.numbers(n, -kMaxModelSigma * kMaxModelSigma, kMaxModelSigma * kMaxModelSigma);
     P.row(row++) = Eigen::Map<const Eigen::RowVectorXd>(v.data(), size);
   }
   if (!P.allFinite()) return P;  // its cause has been told
   if ((P - P.transpose()).cwiseAbs().maxCoeff() > 1e-9 * P.cwiseAbs().maxCoeff())
     value.refuse("must be symmetric");
   else if ((P.diagonal().array() < 0).any()) value.refuse("variances must not be negative");
+  else if (!is_plausible_covariance(P)) value.refuse("must be positive semidefinite");
   return 0.5 * (P + P.transpose());
 }
 
 Pose read_quaternion_pose(const YamlValue& value) {
   Pose T;
-  T.p = read_vector(value.key("position_m"), kMaxOffset_m);
+  const YamlValue position = value.key("position_m");
+  T.p = read_vector(position, kMaxCameraDistance_m);
+  if (T.p.norm() > kMaxCameraDistance_m) position.refuse("must be within 5 m");
   const YamlValue wxyz = value.key("quaternion_wxyz");
   const std::vector<double> v = wxyz.numbers(4, -1.1, 1.1);
   const Eigen::Quaterniond quat(v[0], v[1], v[2], v[3]);

@@ -33,7 +33,8 @@ struct ModelFileExpectation {
 /// Numbers with 17 significant digits: reading gives the same doubles, the rotation to 1e-15. Throws
 /// std::invalid_argument on NaN.
 std::string to_text(const ModelFile& file);
-/// Throws ConfigError with every violation; `file_name` stands in the messages.
+/// Throws ConfigError with every violation; `file_name` stands in the messages. What is_plausible and
+/// is_plausible_covariance (shared/hand_eye.hpp) refuse is a violation.
 ModelFile parse_model_file(std::string_view text, const std::string& file_name, const ModelFileExpectation& expected);
 
 }  // namespace armsight

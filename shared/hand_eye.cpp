@@ -1,5 +1,6 @@
 #include "shared/hand_eye.hpp"
 
+#include <Eigen/Cholesky>
 #include <cassert>
 
 namespace armsight {
@@ -33,6 +34,17 @@ LearnedModel apply_error_state(const LearnedModel& model, const StateVector& x) 
   changed.T_C_B = model.T_C_B * Pose{so3_exp(x.segment<3>(kErrorW)), x.segment<3>(kErrorV)};
   changed.beta += x.tail(model.beta.size());
   return changed;
+}
+
+bool is_plausible(const LearnedModel& model) noexcept {
+  return (model.beta.array().abs() <= kMaxBeta_rad).all() && model.T_C_B.p.norm() <= kMaxCameraDistance_m;
+}
+
+bool is_plausible_covariance(const StateMatrix& P) noexcept {
+  if (P.rows() != P.cols() || !P.allFinite()) return false;
+  if ((P.diagonal().array() < 0.0).any() || (P.diagonal().array() > kMaxModelSigma * kMaxModelSigma).any()) return false;
+  const StateMatrix lifted = P + 1e-12 * StateMatrix::Identity(P.rows(), P.cols());
+  return Eigen::LLT<StateMatrix>(lifted).info() == Eigen::Success;
 }
 
 CameraCorrection camera_correction(const Pose& T_C_B_old, const Pose& T_C_B_new) {

@@ -28,6 +28,15 @@ HandEyePrediction predict_hand_eye(const SerialChain& chain, const Pose& T_C_B, 
 /// Applies an error state to a model: T_C_B [exp(S(w)), v; 0, 1], beta + ε_β. Leaves the revision alone.
 LearnedModel apply_error_state(const LearnedModel& model, const StateVector& x);
 
+/// What no model in force may be, wherever it comes from: filter, proposal or file. Offsets beyond 20° (specification §7.1
+/// draws ±8° and drifts by 5°), a camera beyond 5 m.
+inline constexpr double kMaxBeta_rad = 20.0 * kDegree;
+inline constexpr double kMaxCameraDistance_m = 5.0;
+bool is_plausible(const LearnedModel& model) noexcept;
+/// Of [v; w; ε_β]: positive semidefinite to 1e-12, no σ beyond kMaxModelSigma, which is wider than any prior.
+inline constexpr double kMaxModelSigma = 1.0;  ///< m or rad
+bool is_plausible_covariance(const StateMatrix& P) noexcept;
+
 /// The thesis' letters for a change of T_C_B (figs 8.6): T_C = T_C_B_new · T_C_B_old⁻¹ = [exp(−S(δϑ)), δt; 0, 1] (5.2).
 struct CameraCorrection {
   Vector3 delta_t_m;

@@ -149,5 +149,48 @@ TEST(StateFolder, RefusesADamagedModelAndLeavesItAsItIs) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(StateFolder, RefusesAModelBeyondTheControllersRulesAndLeavesItAsItIs) {
+  const StartPlace place;
+  const RobotConfig robot = nominal_robot();
+  ModelEvent model{nominal_start(robot).model, StateMatrix::Identity(11, 11) * 1e-4, ModelSource::kCalibration, {}};
+  const auto complaint_about = [&](const ModelEvent& bad) -> std::string {
+    save_model_in_force(place.folder, robot, bad);
+    const auto bytes = std::filesystem::file_size(place.folder / "model.yaml");
+    const std::string complaint = place.start("127.0.0.1:0");
+    EXPECT_EQ(std::filesystem::file_size(place.folder / "model.yaml"), bytes);
+    return complaint;
+  };
+  EXPECT_EQ(complaint_about(model), "");
+  ModelEvent bent = model, far = model, indefinite = model;
+  bent.model.beta[1] = 0.36;
+  far.model.T_C_B.p = {4.0, 0.0, 4.0};
+  indefinite.P(0, 7) = indefinite.P(7, 0) = 2e-4;
+  EXPECT_NE(complaint_about(bent).find("beta_rad"), std::string::npos);
+  EXPECT_NE(complaint_about(far).find("T_C_B"), std::string::npos);
+  EXPECT_NE(complaint_about(indefinite).find("covariance"), std::string::npos);
+}
+
+TEST(Start, KeepsARecordingThatItCannotMoveAside) {
+  const StartPlace place;
+  std::filesystem::create_directories(place.folder / "ticks-previous.mcap" / "in the way");
+  EXPECT_NE(place.start("127.0.0.1:0").find("ticks-previous.mcap"), std::string::npos);
+  EXPECT_TRUE(place.recording_is_in_place());
+}
+
+TEST(Flags, TakeAnAddressForWhatItResolvesTo) {
+  const auto listen = [](const std::string& address) {
+    return parse({"--config", "r", "--listen", address.c_str(), "--state", "s", "--can", "can0"}).listen;
+  };
+  EXPECT_EQ(listen("127.0.0.1:5"), "127.0.0.1:5");
+  EXPECT_EQ(listen("localhost:0"), "127.0.0.1:0");
+  const std::string not_a_name = "127." + std::string(64, 'x');  // too long for any resolver to ask around
+  for (const std::string host : {"0.0.0.0", "::1", not_a_name.c_str()}) {
+    const std::string address = host + ":0";
+    EXPECT_NE(complaint({"--config", "r", "--listen", address.c_str(), "--state", "s", "--can", "can0"})
+                  .find("--listen " + address),
+              std::string::npos) << host;
+  }
+}
+
 }  // namespace
 }  // namespace armsight::arm::test

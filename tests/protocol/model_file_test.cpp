@@ -80,7 +80,12 @@ TEST(ModelFile, RefusesAnotherRobotAnotherDescriptionAnotherFormat) {
 TEST(ModelFile, RefusesNumbersThatCannotBe) {
   EXPECT_TRUE(
       model_complaint(model_with("-0.050000000000000003", ".nan")).ends_with("beta_rad[1] = .nan: must be finite"));
-  EXPECT_TRUE(model_complaint(model_with("-0.050000000000000003", "2")).ends_with("must be between -1 and 1"));
+  EXPECT_TRUE(model_complaint(model_with("-0.050000000000000003", "0.36")).find("must be between -0.349") !=
+              std::string::npos);
+  EXPECT_TRUE(model_complaint(model_with("0.33333333333333331", "4.9999")).ends_with("must be within 5 m"));
+  ModelFile indefinite = sample();
+  (*indefinite.covariance)(0, 7) = (*indefinite.covariance)(7, 0) = 2e-6;
+  EXPECT_TRUE(model_complaint(to_text(indefinite)).ends_with("covariance: must be positive semidefinite"));
   EXPECT_TRUE(model_complaint(model_with(", -0.050000000000000003", "")).ends_with("has 1 entries, must have 2"));
   EXPECT_TRUE(
       model_complaint(model_with("quaternion_wxyz: [0.", "quaternion_wxyz: [0.0")).ends_with("must have length 1"));
