@@ -4,13 +4,13 @@
 #include <cstdio>
 #include <fstream>
 #include <sstream>
-#include <thread>
 
 #include "arm_controller/emulated_bus.hpp"
 #include "arm_controller/last_position.hpp"
 #include "arm_controller/real_time.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "arm_controller/state_folder.hpp"
+#include "arm_controller/two_threads.hpp"
 #include "protocol/bus_budget.hpp"
 
 namespace armsight::arm {
@@ -19,6 +19,7 @@ namespace {
 constexpr Duration kLongestStop = std::chrono::seconds(5);
 constexpr Duration kShortestLinkPeriod = std::chrono::milliseconds(2);
 constexpr int kRoleController = 1;
+constexpr int kInternalError = 1;
 
 RobotConfig load(const Flags& flags) {
   RobotConfig robot = load_robot(flags.config);
@@ -89,7 +90,14 @@ Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), ro
 Program::~Program() = default;
 
 int Program::run(const std::atomic<bool>& leaves) {
-  return clock_->is_lockstep() ? run_lockstep(leaves) : run_real(leaves);
+  try {
+    return clock_->is_lockstep() ? run_lockstep(leaves) : run_real(leaves);
+  } catch (const net::ClockLost&) {
+    throw;
+  } catch (const std::exception& e) {  // no flag, file or configuration is to blame any more
+    std::fprintf(stderr, "arm_controller: gives up: %s\n", e.what());
+    return kInternalError;
+  }
 }
 
 // The arm is brought to rest before the program goes; a stop that takes too long is given to the drives.
@@ -99,7 +107,7 @@ bool Program::is_done(const std::atomic<bool>& leaves, Time now) {
     exit_code_ = 3;
     return true;
   }
-  if (!leaves) return false;
+  if (!leaves && !gives_up_) return false;
   if (!leave_by_) {
     mailboxes_.stop.set();
     leave_by_ = now + kLongestStop;
@@ -127,10 +135,16 @@ int Program::run_lockstep(const std::atomic<bool>& leaves) {
 }
 
 int Program::run_real(const std::atomic<bool>& leaves) {
-  const Duration link_period = std::max(kShortestLinkPeriod, seconds_to_duration(robot_.controller.period_s) / 2);
   service_manager_.say_ready(bus_->name());
-  std::thread cycle([this, &leaves] { cycle_thread(leaves); });
-  while (!cycle_ended_) {
+  if (!run_both([&] { cycle_thread(leaves); }, [this] { link_thread(); }, gives_up_)) return kInternalError;
+  link_->publish(clock_->now());
+  say_goodbye();
+  return exit_code_;
+}
+
+void Program::link_thread() {
+  const Duration link_period = std::max(kShortestLinkPeriod, seconds_to_duration(robot_.controller.period_s) / 2);
+  while (!cycle_ended_ && !gives_up_) {
     const std::vector<int> descriptors = link_->descriptors();
     net::wait_readable(descriptors, link_period);
     link_->step(clock_->now());
@@ -138,10 +152,6 @@ int Program::run_real(const std::atomic<bool>& leaves) {
     service_manager_.say_alive(clock_->now(), statistics_.cycles);
   }
   service_manager_.say_stopping();
-  cycle.join();
-  link_->publish(clock_->now());
-  say_goodbye();
-  return exit_code_;
 }
 
 void Program::cycle_thread(const std::atomic<bool>& leaves) {

@@ -24,6 +24,7 @@ class Program {
  private:
   int run_lockstep(const std::atomic<bool>& leaves);
   int run_real(const std::atomic<bool>& leaves);
+  void link_thread();
   void cycle_thread(const std::atomic<bool>& leaves);
   bool is_done(const std::atomic<bool>& leaves, Time now);
   void say_goodbye();
@@ -42,7 +43,7 @@ class Program {
   std::unique_ptr<ControlLoop> loop_;
   ServiceManager service_manager_;
   std::optional<Time> leave_by_;
-  std::atomic<bool> cycle_ended_{false};
+  std::atomic<bool> cycle_ended_{false}, gives_up_{false};
   std::atomic<int> exit_code_{0};
 };
 
