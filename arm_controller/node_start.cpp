@@ -9,6 +9,9 @@ namespace {
 
 constexpr ObjectAddress kDeadline{0x1400, 5}, kHeartbeatConsumer{0x1016, 1};
 
+/// Of a figure that came from a drive, up to 2^64, for the report.
+std::uint32_t clamped(double counts) noexcept { return static_cast<std::uint32_t>(std::min(counts, 4294967295.0)); }
+
 constexpr std::uint32_t size_mask(std::uint8_t size) { return size >= 4 ? 0xFFFFFFFF : (1u << (8 * size)) - 1; }
 
 }  // namespace
@@ -128,8 +131,7 @@ bool Node::check_counts() noexcept {
   const double counts = ratio(kEncoderCounts, kEncoderTurns) * ratio(kGearMotor, kGearShaft);
   check_.counts_per_turn = counts;
   if (options_.counts_per_turn <= 0.0 || std::abs(counts - options_.counts_per_turn) < 0.5) return true;
-  latch(FaultCode::kWrongIdentity, {0x608F, 1}, static_cast<std::uint32_t>(counts),
-        static_cast<std::uint32_t>(options_.counts_per_turn));
+  latch(FaultCode::kWrongIdentity, {0x608F, 1}, clamped(counts), clamped(options_.counts_per_turn));
   return false;
 }
 

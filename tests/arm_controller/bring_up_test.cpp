@@ -227,5 +227,13 @@ TEST(Supervision, ALostBusIsAFault) {
   EXPECT_EQ(rig.state.fault.code, FaultCode::kBusLost);
 }
 
+TEST(BringUp, NamesCountsThatNoFigureOfTheReportHolds) {
+  ArmRig rig;
+  rig.bus.drive(2).stuck[0x608F01] = rig.bus.drive(2).stuck[0x609101] = 0xFFFFFFFF;
+  ASSERT_TRUE(rig.bring_to(Mode::kFault));
+  EXPECT_EQ(rig.state.fault.code, FaultCode::kWrongIdentity);
+  EXPECT_EQ(rig.state.fault.detail, 0xFFFFFFFF);
+}
+
 }  // namespace
 }  // namespace armsight::arm::test
