@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <limits>
 
 #include "tests/shared/default_arm.hpp"
@@ -130,6 +131,24 @@ TEST(JointOffsetEkf, CovarianceStaysSymmetricAndPositive) {
   }
   EXPECT_EQ(ekf.covariance(), StateMatrix(ekf.covariance().transpose()));
   EXPECT_EQ(ekf.covariance().llt().info(), Eigen::Success);
+}
+
+// Ten times the wide prior, and no random walk that would hide a loss: condition numbers up to 4e10.
+TEST_F(JointOffsetEkfTest, KeepsItsCovariancePositiveOverAHundredThousandLooks) {
+  EkfOptions options = scaled_options(10.0);
+  options.max_iterations = 1;
+  std::vector<HandPoseMeasurement> looks(100);
+  for (HandPoseMeasurement& z : looks) z = look();
+  for (const std::size_t different : {std::size_t{1}, looks.size()}) {
+    JointOffsetEkf filter(truth.arm.chain, options);
+    filter.reset(disturbed_by(truth, EkfOptions{}, random));
+    for (int k = 0; k < 100'000; ++k) {
+      filter.update(looks[static_cast<std::size_t>(k) % different]);
+      if (k % 1000 != 999) continue;
+      const Eigen::SelfAdjointEigenSolver<StateMatrix> P(filter.covariance(), Eigen::EigenvaluesOnly);
+      ASSERT_GT(P.eigenvalues().minCoeff(), 1e-12 * P.eigenvalues().maxCoeff()) << "after look " << k + 1;
+    }
+  }
 }
 
 }  // namespace
