@@ -17,7 +17,7 @@ struct BusFrame {
   bool is_own_echo = false;  ///< our own frame, seen back after transmission: for SYNC the sampling instant
 };
 
-/// Latched by the implementation, cleared by reading.
+/// What has happened since the last reading; only `lost` stays.
 struct BusErrors {
   std::uint32_t error_frames = 0;
   std::uint32_t send_failures = 0;   ///< ENOBUFS or a full queue: the frame was dropped, never queued

@@ -59,7 +59,7 @@ void CanopenMaster::take(const BusFrame& received, Time now) noexcept {
     if (received.frame.id == kSyncId && sync_is_out_) sync_time_ = received.time;  // the instant all joints sampled
     return;
   }
-  for (int i = 0; i < node_count_; ++i) joint_node(i).receive(received.frame, now);
+  for (int i = 0; i < node_count_; ++i) node_at(i).receive(received.frame, now);
 }
 
 void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept {
@@ -67,7 +67,7 @@ void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept
   // A cycle that follows a late one comes too soon for the answers to its SYNC: that is our lateness, not the nodes'.
   const bool is_due = sync_is_out_ && now - sync_sent_ >= seconds_to_duration(kAnswerShare * period_s_);
   for (int i = 0; i < node_count_; ++i) {
-    joint_node(i).advance(now, is_due, samples_.fault.is_set() ? PowerRequest::kQuickStop : power_);
+    node_at(i).advance(now, is_due, samples_.fault.is_set() ? PowerRequest::kQuickStop : power_);
     latch(node(i).fault());
   }
   update_phase();
@@ -80,7 +80,6 @@ void CanopenMaster::take_errors(const BusErrors& errors) noexcept {
   error_totals_.error_frames += errors.error_frames;
   error_totals_.send_failures += errors.send_failures;
   error_totals_.receive_overflows += errors.receive_overflows;
-  error_totals_.error_passive = errors.error_passive;
   if (errors.lost) {
     error_totals_.lost = true;
     latch({FaultCode::kBusLost});
@@ -188,7 +187,7 @@ void CanopenMaster::recover(Time now) noexcept {
   samples_.has_positions = false;
   self_check_is_due_ = true;
   failed_cycles_ = 0;
-  for (int i = 0; i < node_count_; ++i) joint_node(i).recover(now);
+  for (int i = 0; i < node_count_; ++i) node_at(i).recover(now);
 }
 
 std::int32_t CanopenMaster::target_counts(int joint, double q_rad) const noexcept {
@@ -211,7 +210,7 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
     const double q = i < command.q_rad.size() ? command.q_rad[i] : samples_.q_rad[i];
     const double bend = i < command.bend_rad.size() ? command.bend_rad[i] : 0.0;
     const auto bend_counts = static_cast<std::int32_t>(std::lround(bend / turn(drives_[static_cast<std::size_t>(i)])));
-    if (const auto frame = joint_node(i).set_point(target_counts(i, q), bend_counts)) add(*frame);
+    if (const auto frame = node_at(i).set_point(target_counts(i, q), bend_counts)) add(*frame);
   }
   const double stroke = hand_.closed_counts - hand_.open_counts;
   const bool goes_by_itself = hand_.mode == DriveMode::kProfilePosition;
@@ -223,7 +222,7 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
                           : hand_node().position_counts();
   if (const auto frame = hand_node().set_point(counts)) add(*frame);
   for (int i = 0; i < node_count_; ++i)
-    if (const auto frame = joint_node(i).service_frame(now)) add(*frame);
+    if (const auto frame = node_at(i).service_frame(now)) add(*frame);
   if (!own_heartbeat_ || now - *own_heartbeat_ >= kOwnHeartbeatPeriod) {
     add(encode(Heartbeat{NmtState::kOperational}, kControllerNode));
     own_heartbeat_ = now;

@@ -68,7 +68,7 @@ class CanopenMaster {
   void add(const CanFrame& frame) noexcept;
   void note_sent(std::size_t i, SendResult result, Time now) noexcept;
   std::int32_t target_counts(int joint, double q_rad) const noexcept;
-  Node& joint_node(int i) noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
+  Node& node_at(int i) noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
   Node& hand_node() noexcept { return *nodes_[static_cast<std::size_t>(joint_count_)]; }
 
   JointLimits limits_;

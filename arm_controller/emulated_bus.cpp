@@ -3,7 +3,6 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -18,7 +17,7 @@ namespace {
 
 constexpr net::ChannelKey kBusChannel{net::ChannelKind::kBus, 0};
 
-int connect_to_hub(const std::string& path, std::uint32_t participant) {
+Descriptor connect_to_hub(const std::string& path, std::uint32_t participant) {
   const auto refuse = [&path](const std::string& reason) {
     throw std::runtime_error("emulated bus " + path + ": " + reason);
   };
@@ -26,28 +25,24 @@ int connect_to_hub(const std::string& path, std::uint32_t participant) {
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) refuse("the path must have 1 to 107 characters");
   std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
-  const int descriptor = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-  if (descriptor < 0) refuse(std::strerror(errno));
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  if (socket.get() < 0) refuse(std::strerror(errno));
   const BusPacketBytes join = encode_bus_join(participant);
-  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      ::send(descriptor, join.data(), join.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(join.size())) {
-    const int error = errno;
-    ::close(descriptor);
-    refuse(std::strerror(error));
-  }
-  return descriptor;
+  if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      ::send(socket.get(), join.data(), join.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(join.size()))
+    refuse(std::strerror(errno));
+  return socket;
 }
 
 class EmulatedBus : public CanBus {
  public:
   EmulatedBus(const std::string& path, net::Clock& clock)
-      : clock_(clock), name_("emulated:" + path), descriptor_(connect_to_hub(path, clock.participant())) {}
-  ~EmulatedBus() override { ::close(descriptor_); }
+      : clock_(clock), name_("emulated:" + path), socket_(connect_to_hub(path, clock.participant())) {}
 
   SendResult send(const CanFrame& frame) noexcept override {
     if (errors_.lost) return SendResult::kBusDown;
     const BusPacketBytes bytes = encode_bus_packet({clock_.is_lockstep() ? 0 : net::monotonic_ns(), frame, 0});
-    const ssize_t n = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t n = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n == static_cast<ssize_t>(bytes.size())) {
       clock_.count_sent(kBusChannel);
       return SendResult::kSent;
@@ -92,7 +87,7 @@ class EmulatedBus : public CanBus {
   std::optional<BusPacket> next_packet() noexcept {
     BusPacketBytes bytes;
     while (true) {
-      const ssize_t n = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+      const ssize_t n = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
       if (n > 0) return decode_bus_packet(std::span<const char>(bytes.data(), static_cast<std::size_t>(n)));
       const bool is_empty = n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
       if (!is_empty) {
@@ -100,7 +95,7 @@ class EmulatedBus : public CanBus {
         return std::nullopt;
       }
       if (!clock_.is_lockstep()) return std::nullopt;
-      const int descriptors[] = {descriptor_};
+      const int descriptors[] = {socket_.get()};
       net::wait_and_flow(descriptors, Duration{-1}, &clock_);
     }
   }
@@ -118,7 +113,7 @@ class EmulatedBus : public CanBus {
 
   net::Clock& clock_;
   std::string name_;
-  int descriptor_;
+  Descriptor socket_;
   BusErrors errors_;
 };
 
@@ -128,16 +123,14 @@ std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& c
   return std::make_unique<EmulatedBus>(path, clock);
 }
 
-BusObserver::BusObserver(const std::string& path) : descriptor_(connect_to_hub(path, 0)) {}
-
-BusObserver::~BusObserver() { ::close(descriptor_); }
+BusObserver::BusObserver(const std::string& path) : socket_(connect_to_hub(path, 0)) {}
 
 bool BusObserver::receive(BusFrame& frame, Duration timeout) {
-  pollfd entry{descriptor_, POLLIN, 0};
+  pollfd entry{socket_.get(), POLLIN, 0};
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count();
   if (!is_open_ || ::poll(&entry, 1, static_cast<int>(ms)) <= 0) return false;
   BusPacketBytes bytes;
-  const ssize_t n = ::recv(descriptor_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+  const ssize_t n = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (n <= 0) {
     is_open_ = n < 0 && (errno == EAGAIN || errno == EINTR);
     return false;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "arm_controller/can_bus.hpp"
+#include "protocol/descriptor.hpp"
 #include "protocol/transport/clock.hpp"
 
 namespace armsight::arm {
@@ -15,15 +16,12 @@ std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& c
 class BusObserver {
  public:
   explicit BusObserver(const std::string& path);
-  ~BusObserver();
-  BusObserver(const BusObserver&) = delete;
-  BusObserver& operator=(const BusObserver&) = delete;
   /// Waits for the next frame; false: none within the timeout, or the bus is gone.
   bool receive(BusFrame& frame, Duration timeout);
   bool is_open() const { return is_open_; }
 
  private:
-  int descriptor_;
+  Descriptor socket_;
   bool is_open_ = true;
 };
 

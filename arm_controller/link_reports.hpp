@@ -1,4 +1,6 @@
-// What the tick says → wire messages.
+// What the tick says → wire messages, value by value: readings in rad (raw encoders, beta not added), rad/s, Nm, times in
+// ns of the arm's clock, poses and corrections in the frames that arm_link.proto names. Nothing is judged here; the answers'
+// reasons and the modes are the wire's enumerators of the same meaning.
 #pragma once
 
 #include "arm_controller/messages.hpp"

@@ -3,7 +3,7 @@
 //   Boot ─► BusDown ─► Configuring ─► Ready ⇄ Hold ─► Servo ─► Stopping
 //                                       ▲       ▲ ◄────┘ arrived   │ standstill
 //                                       │       └──────────────────┘
-//   any but Boot ── fault ──► Fault ── clear ──► Recovering ──► Ready
+//   any ── fault ──► Fault ── clear ──► Recovering ──► Ready
 #pragma once
 
 #include <array>

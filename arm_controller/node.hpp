@@ -2,7 +2,7 @@
 //
 //   kAbsent ──seen──► kConfiguring ──script done──► kStarting ──three TPDO1──► kReady ⇄ (402 states) enabled
 //      ▲                    │ NMT pre-operational          │ NMT start            │
-//      └──── restart() ─────┴──────────── a fault latches and stays until restart() or reset_fault() ─────────┘
+//      └──── restart() ─────┴──────────── a fault latches and stays until restart() or recover() ─────────────┘
 #pragma once
 
 #include <array>

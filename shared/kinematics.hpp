@@ -1,5 +1,5 @@
 // Where is the hand? Forward kinematics and the geometric Jacobian of a serial chain; specification §4.2.
-// q is the real joint angle (reading + beta), rad. No heap.
+// q[i] is the real angle (reading + beta) of joint i about its own z axis, rad; size joint_count everywhere. Metres. No heap.
 #pragma once
 
 #include <limits>
@@ -13,7 +13,7 @@ Pose forward_kinematics(const SerialChain& chain, const JointVector& q);
 
 struct HandKinematics {
   Pose T_B_H;
-  Jacobian J;  ///< of the hand's origin, in B: rows 0–2 linear, 3–5 angular
+  Jacobian J;  ///< ∂/∂q of the hand's origin, in B: rows 0–2 linear (m/rad), 3–5 angular (rad/rad)
 };
 HandKinematics hand_kinematics(const SerialChain& chain, const JointVector& q);
 
