@@ -96,7 +96,9 @@ void LinkServer::forget(net::FramedStream* stream) {
 
 void LinkServer::handle(LinkSession& peer, const std::optional<wire::Envelope>& envelope, Time arrival, Time now,
                         bool is_before_stop) {
-  if (!peer.stream->is_open() || (envelope && envelope->has_stop())) return;
+  if (envelope && envelope->has_stop())  // taken already; recorded in the order in which it came
+    return files_.record_link(true, peer.stream->peer_name(), *envelope, now);
+  if (!peer.stream->is_open()) return;
   if (!envelope) return protocol_error(peer, 0, {wire::REFUSAL_REASON_MALFORMED, "the frame holds no Envelope"}, now);
   files_.record_link(true, peer.stream->peer_name(), *envelope, now);
   const Message m{peer, *envelope, arrival, now, is_before_stop};
@@ -105,7 +107,6 @@ void LinkServer::handle(LinkSession& peer, const std::optional<wire::Envelope>& 
 
 // From everybody, with or without session, sequence, lease; also from a peer that has hung up by now.
 void LinkServer::on_stop(const Message& m) {
-  files_.record_link(true, m.peer.stream->peer_name(), m.envelope, m.now);
   mailboxes_.stop.set();
   drop_pose_goal(kStoppedBefore, m.now);
   accept(m);
