@@ -338,16 +338,17 @@ TEST(Link, TakesAStopBeforeWhateverElseCame) {
   rig.files.reset();
   std::ifstream in(rig.folder / "ticks.mcap", std::ios::binary);
   RecordingReader reader(in);
-  std::map<std::int64_t, std::vector<bool>> is_stop;  // what came in a step, in the order it was taken
+  std::map<std::int64_t, std::vector<bool>> is_accepted;  // what was answered in a step: the recording tells it in order
   std::int64_t at_stop = 0;
   for (RecordedMessage message; reader.next(message);) {
     wire::LinkRecord record;
-    if (message.topic != "/link" || !record.ParseFromString(message.data) || !record.to_controller()) continue;
-    is_stop[record.time_ns()].push_back(record.envelope().has_stop());
-    if (record.envelope().has_stop()) at_stop = record.time_ns();
+    if (message.topic != "/link" || !record.ParseFromString(message.data)) continue;
+    const bool is_stop = record.to_controller() && record.envelope().has_stop();
+    if (is_stop) at_stop = record.time_ns();
+    if (!record.to_controller()) is_accepted[record.time_ns()].push_back(record.envelope().has_accepted());
   }
-  ASSERT_GT(is_stop[at_stop].size(), 1u);
-  EXPECT_TRUE(is_stop[at_stop].front());
+  ASSERT_GT(is_accepted[at_stop].size(), 1u);
+  EXPECT_TRUE(is_accepted[at_stop].front());
 }
 
 TEST(Link, TakesTheStopOfAPeerThatHungUp) {

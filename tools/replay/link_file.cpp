@@ -18,9 +18,10 @@ Message parse(const RecordedMessage& recorded) {
 void take(LinkFile& out, std::map<std::string, std::size_t>& open, wire::LinkRecord record) {
   const wire::Envelope& envelope = record.envelope();
   const auto found = open.find(record.peer());
-  // A port may be used again: a first Hello begins another connection.
+  // A port may be used again: a first Hello begins another connection. A Stop beside it is answered before it.
+  const bool is_first_hello = record.to_controller() && envelope.has_hello() && envelope.sequence() == 1;
   const bool is_new =
-      found == open.end() || (record.to_controller() && envelope.has_hello() && envelope.sequence() == 1);
+      found == open.end() || (is_first_hello && !out.connections[found->second].to_controller.empty());
   if (is_new) {
     open[record.peer()] = out.connections.size();
     Connection fresh;
