@@ -1,24 +1,15 @@
 #include "arm_controller/control_loop.hpp"
 
-#include <time.h>
-
 #include <cstring>
 
+#include "protocol/transport/wait.hpp"
+
 namespace armsight::arm {
-namespace {
-
-// Thread time, not wall time: what the tick costs, whatever else the machine does.
-double thread_time_us() noexcept {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
-}
-
-}  // namespace
 
 ControlLoop::ControlLoop(const RobotConfig& robot, const StartModel& start, CanBus& bus, Mailboxes& mailboxes,
                          Tape& tape, LoopStatistics& statistics)
-    : bus_(bus), mailboxes_(mailboxes), tape_(tape), statistics_(statistics), state_(robot, start) {
+    : bus_(bus), mailboxes_(mailboxes), tape_(tape), statistics_(statistics), timing_(robot, statistics),
+      state_(robot, start) {
   tape_.checkpoints.reserve(sizeof state_);
 }
 
@@ -44,16 +35,20 @@ void ControlLoop::step(Time now, std::uint64_t missed) noexcept {
   state_.missed = record_.missed = missed;
   record_.cycle = ++state_.cycle;
   record_.cycle_time = now;
-  const JointSamples& joints =
-      state_.master.receive(bus_, now, [this](const BusFrame& frame) { keep({frame, false, SendResult::kSent}); });
-  const double begin_us = thread_time_us();
+  const JointSamples& joints = state_.master.receive(bus_, now, [this](const BusFrame& frame) {
+    timing_.note(frame);
+    keep({frame, false, SendResult::kSent});
+  });
+  // The machine's clock: it is read without a system call, which a thread's own processor time is not.
+  const std::int64_t begin_ns = net::monotonic_ns();
   const TickOutput& output = state_.controller.tick(now, joints, inbox_);
-  record_.tick_us = thread_time_us() - begin_us;
+  const Duration tick{net::monotonic_ns() - begin_ns};
+  record_.tick_us = 1e-3 * static_cast<double>(tick.count());
   last_command_ = output.command;
   state_.master.send(bus_, output.command, now,
                      [this](const BusFrame& frame, SendResult result) { keep({frame, true, result}); });
   keep_inputs();
-  statistics_.tick.add(record_.tick_us);
+  statistics_.tick.add(tick);
   statistics_.cycles.store(state_.cycle, std::memory_order_relaxed);
   statistics_.missed.store(missed, std::memory_order_relaxed);
   statistics_.bus_send_failures.store(state_.master.error_totals().send_failures, std::memory_order_relaxed);

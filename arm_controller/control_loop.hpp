@@ -1,6 +1,7 @@
 // The cycle: receive → tick → send. Everything it touches was allocated before; it waits for nobody.
 #pragma once
 
+#include "arm_controller/bus_timing.hpp"
 #include "arm_controller/can_bus.hpp"
 #include "arm_controller/loop_state.hpp"
 #include "arm_controller/statistics.hpp"
@@ -37,6 +38,7 @@ class ControlLoop {
   Mailboxes& mailboxes_;
   Tape& tape_;
   LoopStatistics& statistics_;
+  BusTiming timing_;
   LoopState state_;
   TickInbox inbox_;
   TickRecord record_;

@@ -173,8 +173,9 @@ void LinkServer::publish_statistics(Time now) {
   s.set_rate_hz(1.0 / robot_.controller.period_s);
   s.set_cycles(statistics_.cycles.load(std::memory_order_relaxed));
   s.set_missed(statistics_.missed.load(std::memory_order_relaxed));
-  s.set_tick_us_p50(statistics_.tick.quantile_us(0.5));
-  s.set_tick_us_p999(statistics_.tick.quantile_us(0.999));
+  s.set_tick_us_p50(1e-3 * static_cast<double>(statistics_.tick.quantile_ns(0.5)));
+  s.set_tick_us_p999(1e-3 * static_cast<double>(statistics_.tick.quantile_ns(0.999)));
+  add_durations(statistics_, robot_, s);
   s.set_looks_overflowed(mailboxes_.looks.overflows());
   s.set_protocol_errors(protocol_errors_);
   s.set_events_lost(mailboxes_.events.overflows());

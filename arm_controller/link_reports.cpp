@@ -35,7 +35,33 @@ void put(const Vector3& v, wire::Vector3* out) {
   out->set_z(v.z());
 }
 
+void add_duration(wire::MeasuredDuration what, unsigned node, const Histogram& histogram, wire::ControllerStatistics& out) {
+  const std::uint64_t count = histogram.count();
+  if (count == 0) return;
+  wire::DurationHistogram& row = *out.add_durations();
+  row.set_what(what);
+  row.set_node(node);
+  row.set_count(count);
+  row.set_p50_us(1e-3 * static_cast<double>(histogram.quantile_ns(0.5)));
+  row.set_p999_us(1e-3 * static_cast<double>(histogram.quantile_ns(0.999)));
+  row.set_max_us(1e-3 * static_cast<double>(histogram.longest_ns()));
+  histogram.for_each([&](std::int64_t upper_ns, std::uint64_t in_bucket) {
+    row.add_upper_ns(static_cast<std::uint64_t>(upper_ns));
+    row.add_counts(in_bucket);
+  });
+}
+
 }  // namespace
+
+void add_durations(const LoopStatistics& statistics, const RobotConfig& robot, wire::ControllerStatistics& out) {
+  add_duration(wire::MEASURED_DURATION_WAKE_UP, 0, statistics.wake_up, out);
+  add_duration(wire::MEASURED_DURATION_TICK, 0, statistics.tick, out);
+  add_duration(wire::MEASURED_DURATION_SYNC_PERIOD, 0, statistics.sync_period, out);
+  const auto joints = static_cast<std::size_t>(robot.arm.joint_count());
+  for (std::size_t i = 0; i <= joints; ++i)
+    add_duration(wire::MEASURED_DURATION_TPDO1, i < joints ? robot.drives[i].node : robot.hand.node, statistics.tpdo1[i],
+                 out);
+}
 
 wire::Mode to_wire(Mode mode) { return static_cast<wire::Mode>(static_cast<int>(mode) + 1); }
 static_assert(static_cast<int>(Mode::kRecovering) + 1 == static_cast<int>(wire::MODE_RECOVERING));

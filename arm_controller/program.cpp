@@ -174,6 +174,7 @@ void Program::cycle_thread(const std::atomic<bool>& leaves) {
   try {
     while (exit_code_ != 2) {
       const Time now = clock_->wait_next_cycle();
+      statistics_.wake_up.add(clock_->lateness());
       loop_->cycle(now, clock_->missed());
       if (is_done(leaves, now)) break;
     }

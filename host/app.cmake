@@ -22,6 +22,7 @@ add_library(armsight_host_app STATIC
   running_guess.cpp
   session_files.cpp
   small_verbs.cpp
+  status.cpp
   text.cpp
   visibility.cpp)
 target_link_libraries(armsight_host_app

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/status.hpp"
 #include "host/text.hpp"
 #include "protocol/convert.hpp"
 
@@ -120,6 +121,19 @@ std::string to_json(const GraspRecord& record) {
                  {"hand_effort_permille", number(record.hand_effort_permille)},
                  {"images", record.images},
                  {"image_closed", record.image_closed}};
+  return out.dump(kIndent) + "\n";
+}
+
+std::string to_json(const wire::ControllerStatistics& s) {
+  Json rows = Json::array();
+  for (const wire::DurationHistogram& row : s.durations())
+    rows.push_back({{"name", duration_name(row)}, {"count", row.count()}, {"p50_us", number(row.p50_us())},
+                    {"p999_us", number(row.p999_us())}, {"max_us", number(row.max_us())},
+                    {"upper_ns", std::vector<std::uint64_t>(row.upper_ns().begin(), row.upper_ns().end())},
+                    {"counts", std::vector<std::uint64_t>(row.counts().begin(), row.counts().end())}});
+  const Json out{{"rate_hz", number(s.rate_hz())}, {"cycles", s.cycles()}, {"missed", s.missed()},
+                 {"tick_us_p50", number(s.tick_us_p50())}, {"tick_us_p999", number(s.tick_us_p999())},
+                 {"durations", rows}};
   return out.dump(kIndent) + "\n";
 }
 

@@ -1,4 +1,4 @@
-// The result files of the verbs (calibrate.json, adapt.json, move.json, grasp.json) as text. Keys carry their units;
+// The result files of the verbs (calibrate.json, adapt.json, move.json, grasp.json; of status: --out) as text. Keys carry their units;
 // poses are {"p_m", "q_wxyz"}. Only json_out.cpp knows the JSON library.
 #pragma once
 
@@ -62,5 +62,7 @@ struct GraspRecord {
   std::string image_closed;      ///< of these: after the hand closed; empty where it did not
 };
 std::string to_json(const GraspRecord& record);
+
+std::string to_json(const wire::ControllerStatistics& statistics);
 
 }  // namespace armsight::host

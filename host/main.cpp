@@ -73,6 +73,7 @@ void add_watching(CLI::App& app, CommandLine& line) {
   add_verb(app, line, "disable", "power off; an arm without brakes sinks", Verb::kDisable);
   add_verb(app, line, "clear", "clear a latched fault; the power stays off", Verb::kClear);
   CLI::App* status = add_verb(app, line, "status", "tell mode, joints, model, faults and statistics", Verb::kStatus);
+  status->add_option("--out", line.out, "JSON file for the statistics, with all histograms");
   CLI::Option* watch = status->add_flag("--watch", line.watch, "go on telling what changes; connects again by itself");
   status->add_option("--for", line.watch_s, "seconds to watch; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e6))

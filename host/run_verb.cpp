@@ -13,6 +13,7 @@
 #include "host/marker_print.hpp"
 #include "host/power_verbs.hpp"
 #include "host/small_verbs.hpp"
+#include "host/status.hpp"
 #include "host/urdf_import.hpp"
 
 namespace armsight::host {
@@ -195,7 +196,7 @@ void run_online(const CommandLine& line) {
       run_clear(io, std::cout);
       break;
     case Verb::kStatus:
-      line.watch ? run_watch(io, line.watch_s, std::cout) : run_status(io, std::cout);
+      line.watch ? run_watch(io, line.watch_s, std::cout) : run_status(io, line.out, std::cout);
       break;
     case Verb::kStop: run_stop(io, std::cout); break;
     case Verb::kBlackBox: run_black_box(io, line.out, std::cout); break;

@@ -12,13 +12,7 @@ namespace {
 
 constexpr double kPosePosition_m = 0.001;
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
-constexpr Duration kRetryPeriod = std::chrono::seconds(1);
-constexpr Duration kStatisticsTimeout = std::chrono::milliseconds(1200);  // the controller tells them every second
-
-std::string joints_text(HostIo& io) {
-  if (io.arm().state()->q_reading_rad().empty()) return "not known, they have not reported yet";
-  return degrees_text(reading_now(io)) + " deg read, " + degrees_text(real_now(io)) + " deg real";
-}
+constexpr Duration kAnswerTimeout = std::chrono::milliseconds(1200);
 
 }  // namespace
 
@@ -54,71 +48,6 @@ void run_hand(HostIo& io, double closure, double force_permille, std::ostream& p
            << " % of their force" << std::endl;
 }
 
-void run_status(HostIo& io, std::ostream& out) {
-  ArmLink& arm = io.arm();
-  io.wait_until([&] { return arm.statistics().has_value(); }, kStatisticsTimeout);
-  const wire::HelloReply& hello = *arm.hello();
-  const wire::ArmState& state = *arm.state();
-  const LearnedModel model = model_in_force(io);
-  out << "controller: " << hello.program() << ", robot " << hello.robot() << ", bus " << hello.bus() << ", "
-      << fixed(hello.rate_hz(), 0) << " Hz\n"
-      << "mode:       " << to_text(state.mode()) << (state.is_still() ? ", still" : ", moving") << "\n"
-      << "joints:     " << joints_text(io) << "\n"
-      << "hand:       " << fixed(100 * state.hand_closure(), 0) << " % closed\n"
-      << "model:      revision " << model.revision << " (" << arm.model()->source() << "), offsets "
-      << degrees_text(model.beta) << " deg\n";
-  if (state.fault_code() != 0) {
-    out << "fault:      " << state.fault_code() << (arm.fault() ? " (" + arm.fault()->side() + "): " + arm.fault()->text() : "") << "\n";
-  } else {
-    out << "fault:      none\n";
-  }
-  if (const auto& s = arm.statistics()) {
-    out << "cycles:     " << s->cycles() << ", " << s->missed() << " missed, tick " << fixed(s->tick_us_p50(), 1) << " us (p99.9 "
-        << fixed(s->tick_us_p999(), 1) << " us), " << s->protocol_errors() << " protocol errors\n";
-    for (const std::string& line : s->degraded()) out << "degraded:   " << line << "\n";
-  }
-  out << std::flush;
-}
-
-namespace {
-
-std::string watch_line(HostIo& io) {
-  const wire::ArmState& state = *io.arm().state();
-  std::string line = std::string(to_text(state.mode())) + (state.is_still() ? ", still" : ", moving") + ", model " +
-                     std::to_string(state.model_revision());
-  if (state.fault_code() != 0) line += ", fault " + std::to_string(state.fault_code());
-  return line;
-}
-
-void watch_this_link(HostIo& io, Time end, std::string& last, std::ostream& out) {
-  open_session(io, false);
-  const auto has_news = [&] { return watch_line(io) != last; };
-  while (io.wait_until(has_news, end - io.now())) out << "watch: " << (last = watch_line(io)) << std::endl;
-}
-
-}  // namespace
-
-void run_watch(HostIo& io, double watch_s, std::ostream& out) {
-  const Time end = watch_s > 0.0 ? io.now() + seconds_to_duration(watch_s) : Time::max();
-  std::string last;
-  bool is_lost = false;
-  while (io.now() < end) {
-    try {
-      if (is_lost) {
-        io.reconnect();
-        out << "watch: connected again" << std::endl;
-        is_lost = false;
-      }
-      watch_this_link(io, end, last, out);
-    } catch (const PeerLost& error) {
-      if (!is_lost) out << "watch: " << error.what() << "; trying again every second" << std::endl;
-      is_lost = true;
-      last.clear();
-      io.idle(kRetryPeriod);
-    }
-  }
-}
-
 void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out) {
   std::string bytes, name;
   while (true) {
@@ -126,7 +55,7 @@ void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& 
     request.mutable_black_box_request()->set_offset(bytes.size());
     io.arm().send(std::move(request));
     std::optional<wire::BlackBoxChunk> chunk;
-    if (!io.wait_until([&] { return (chunk = io.arm().take_black_box_chunk()).has_value(); }, kStatisticsTimeout))
+    if (!io.wait_until([&] { return (chunk = io.arm().take_black_box_chunk()).has_value(); }, kAnswerTimeout))
       throw CommandFailed("blackbox: no answer; the controller may be older than this host");
     if (chunk->name().empty()) throw CommandFailed("blackbox: there is none: no fault since the controller started");
     const bool is_next = chunk->offset() == bytes.size() && !chunk->data().empty() && (name.empty() || name == chunk->name());

@@ -1,4 +1,4 @@
-// The small verbs: move, park, hand, status, stop. Each a plain function over an open HostIo.
+// The small verbs: move, park, hand, blackbox, stop. Each a plain function over an open HostIo.
 #pragma once
 
 #include <filesystem>
@@ -16,11 +16,6 @@ void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const 
               std::ostream& progress);
 inline constexpr double kMovePoseOrientation_rad = 0.02;  ///< a pose goal whose best posture is worse is refused
 void run_hand(HostIo& io, double closure, double force_permille, std::ostream& progress);
-/// Mode, joints, model, faults, statistics; needs no lease.
-void run_status(HostIo& io, std::ostream& out);
-/// One line whenever mode, fault, lease or model change, for so long (0: until interrupted). Lost links are made again,
-/// once a second; nothing is commanded by it.
-void run_watch(HostIo& io, double watch_s, std::ostream& out);
 /// The controller's newest black box into a file; needs no lease. Throws CommandFailed where there is none.
 void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out);
 /// Needs no lease.

@@ -53,6 +53,8 @@ class Clock {
   virtual Time wait_next_cycle() = 0;
   virtual bool is_lockstep() const = 0;
   virtual std::uint64_t missed() const = 0;
+  /// How long after its time the cycle began that wait_next_cycle() last returned for. Lockstep: 0.
+  virtual Duration lateness() const { return Duration{}; }
 
   // Lockstep account; without effect at real pace.
   virtual void count_sent(ChannelKey channel) = 0;

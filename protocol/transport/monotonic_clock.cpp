@@ -33,8 +33,10 @@ Time MonotonicClock::wait_next_cycle() {
     next_ns_ += skipped * period_ns_;
   }
   sleep_until_monotonic_ns(crystal_.to_monotonic_ns(next_ns_));
+  const Time begin = now();
+  lateness_ = begin - time_from_ns(next_ns_);
   next_ns_ += period_ns_;
-  return now();
+  return begin;
 }
 
 std::unique_ptr<Clock> make_monotonic_clock(Duration period) {

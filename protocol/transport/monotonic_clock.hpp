@@ -27,6 +27,7 @@ class MonotonicClock : public Clock {
   Time wait_next_cycle() override;
   bool is_lockstep() const override { return false; }
   std::uint64_t missed() const override { return missed_.load(std::memory_order_relaxed); }
+  Duration lateness() const override { return lateness_; }
   void count_sent(ChannelKey) override {}
   void count_received(ChannelKey) override {}
   std::span<const Time> due(ChannelKey) const override { return {}; }
@@ -38,6 +39,7 @@ class MonotonicClock : public Clock {
   Crystal crystal_;
   std::int64_t period_ns_;
   std::int64_t next_ns_;
+  Duration lateness_{};  ///< of the thread that waits
   std::atomic<std::uint64_t> missed_{0};
 };
 

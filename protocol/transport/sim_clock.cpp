@@ -73,6 +73,7 @@ class SimClock : public SimConductor {
 
   bool is_lockstep() const override { return welcome_.pace() == wire::SIM_PACE_LOCKSTEP; }
   std::uint64_t missed() const override { return real_ ? real_->missed() : 0; }
+  Duration lateness() const override { return real_ ? real_->lateness() : Duration{}; }
 
   void count_sent(ChannelKey channel) override {
     if (!real_) account_.count_sent(channel);

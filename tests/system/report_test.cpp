@@ -25,7 +25,9 @@ class ReportTest : public testing::Test {
     report.object = "can";
     report.versions = {{"arm_controller", "0.1.0"}, {"host", "0.1.0"}};
     report.phases = {{"Learn: calibrate", 62.1, 14.2}, {"Adapt: looks and filter", 12.3, 3.1}};
-    report.controller = {250, 12.1, 31.5, 40000, 0};
+    report.controller = {{250, 12.1, 31.5, 40000, 0, {}}, {}};
+    report.controller.durations = {{"tick", 40000, 12.1, 31.5, 40.0, {12100, 31500}, {39000, 1000}},
+                                   {"TPDO1 of node 1", 3, 500.0, 900.0, 900.0, {500000, 900000}, {2, 1}}};
     report.calibrate = load_calibrate(folder / "calibrate.json");
     report.adapt = load_adapt(folder / "adapt.json");
     report.grasp_without = load_grasp(folder / "grasp-without.json");
@@ -105,10 +107,22 @@ TEST_F(ReportTest, WritesTheKeysThatProgramsRelyOn) {
   EXPECT_TRUE(j.at("calibrate").at("beta_error_deg").at(0).is_null());
   for (const char* key : {"heldout_rms_mm", "heldout_rms_deg", "solve_ms", "rank", "unobservable"})
     EXPECT_TRUE(j.at("calibrate").contains(key)) << key;
+  const auto& controller = j.at("controller");
+  EXPECT_EQ(controller.at("tick_us_histogram").at(0).at("counts"), (std::vector{39000, 1000}));
+  ASSERT_EQ(controller.at("durations").size(), 1u) << "the machine's speed must not be in it";
+  EXPECT_EQ(controller.at("durations").at(0).at("name"), "TPDO1 of node 1");
   for (const char* key : {"rate_hz", "tick_us_p50", "tick_us_p999", "missed"})
     EXPECT_TRUE(j.at("controller").contains(key)) << key;
   EXPECT_EQ(j.at("programs").at("arm_controller").at("version"), "0.1.0");
   EXPECT_TRUE(j.at("grasp").at("with_filter").at("success").get<bool>());
+}
+
+TEST_F(ReportTest, DrawsHowTheDurationsOfTheCycleAreSpread) {
+  const std::vector<Plot> plots = controller_figures(report);
+  ASSERT_EQ(plots.size(), 2u);
+  EXPECT_EQ(plots[1].series.at(0).y.back(), 100.0);
+  EXPECT_NEAR(plots[1].series.at(0).y.at(1), 200.0 / 3.0, 1e-9);
+  EXPECT_NE(to_html(report).find("TPDO1 of node 1"), std::string::npos);
 }
 
 TEST_F(ReportTest, HtmlNeedsNothingFromElsewhere) {

@@ -93,22 +93,13 @@ GraspResult Session::grasp(const std::string& kept_as, const std::string& then) 
 }
 
 void Session::read_status() {
-  must(arm_.host({"status"}), "host status failed");
+  const fs::path file = results() / "status.json";
+  must(arm_.host({"status", "--out", file.string()}), "host status failed");
+  static_cast<ControllerStatus&>(report_.controller) = load_status(file);
   for (const std::string& line : arm_.host_lines()) {
-    ControllerFigures& c = report_.controller;
-    unsigned long long cycles = 0, missed = 0;
-    if (std::sscanf(line.c_str(), "cycles: %llu, %llu missed, tick %lf us (p99.9 %lf us)", &cycles, &missed,
-                    &c.tick_us_p50, &c.tick_us_p999) == 4) {
-      c.cycles = cycles;
-      c.missed = missed;
-    }
     char name[64] = {}, version[64] = {};
     if (std::sscanf(line.c_str(), "controller: %63s %63[^,],", name, version) == 2) report_.versions[name] = version;
-    if (const auto hz = line.rfind(" Hz"); line.starts_with("controller:") && hz != std::string::npos) {
-      c.rate_hz = std::stod(line.substr(line.rfind(',') + 1));
-    }
   }
-  if (report_.controller.cycles == 0) throw RunFailed("host status told no statistics of the controller", 1);
 }
 
 void Session::keep_images(const std::vector<std::string>& names, const std::string& caption, std::size_t most) {

@@ -17,9 +17,7 @@ struct ReportImage {
   std::filesystem::path file;  ///< JPEG or PNG
 };
 /// What the controller says of its cycles.
-struct ControllerFigures {
-  double rate_hz = 0, tick_us_p50 = 0, tick_us_p999 = 0;
-  std::uint64_t cycles = 0, missed = 0;
+struct ControllerFigures : ControllerStatus {
   std::vector<std::string> black_boxes;  ///< files: a fault writes one, and a run without watchdogs has none
 };
 
@@ -62,5 +60,7 @@ std::vector<Plot> commanded_pose_figures(const Report& report);    // 8.4
 std::vector<Plot> error_figures(const Report& report);             // 8.5
 std::vector<Plot> filter_figures(const Report& report);            // 8.6
 std::vector<Plot> grasp_figures(const Report& report);             // 8.7
+/// How the durations of the cycle are spread.
+std::vector<Plot> controller_figures(const Report& report);
 
 }  // namespace armsight::demo

@@ -168,18 +168,25 @@ std::string grasp_section(const Report& r) {
   return out + images(r, "Act");
 }
 
+std::string controller_section(const Report& r) {
+  const ControllerFigures& c = r.controller;
+  std::string out = "<h2>The controller's cycles</h2><p>" + n(c.rate_hz) + " Hz, " + std::to_string(c.cycles) +
+                    " cycles, " + std::to_string(c.missed) + " missed. " +
+                    (c.black_boxes.empty() ? "No watchdog fired."
+                                           : std::to_string(c.black_boxes.size()) + " watchdogs fired.") +
+                    "</p>" + figures(controller_figures(r));
+  std::vector<std::vector<std::string>> rows;
+  for (const DurationRow& d : c.durations)
+    rows.push_back({escape_html(d.name), std::to_string(d.count), n(d.p50_us), n(d.p999_us), n(d.max_us)});
+  return out + table({"duration", "count", "median [µs]", "99.9 % [µs]", "longest [µs]"}, rows);
+}
+
 std::string repeat_section(const Report& r) {
   std::vector<std::vector<std::string>> phases, programs;
   for (const Phase& p : r.phases) phases.push_back({escape_html(p.name), fixed(p.simulated_s, 1), fixed(p.wall_s, 1)});
   for (const auto& [name, version] : r.versions) programs.push_back({name, escape_html(version)});
   std::string out = "<h2>Time</h2>" + table({"phase", "robot's time [s]", "wall time [s]"}, phases);
-  out += "<p>Controller: " + n(r.controller.rate_hz) + " Hz, " + std::to_string(r.controller.cycles) + " cycles, " +
-         std::to_string(r.controller.missed) + " missed; tick " + n(r.controller.tick_us_p50) + " µs (median), " +
-         n(r.controller.tick_us_p999) + " µs (99.9 %). The calibration was solved in " + n(r.calibrate.solve_wall_ms) +
-         " ms. " +
-         (r.controller.black_boxes.empty() ? "No watchdog fired."
-                                           : std::to_string(r.controller.black_boxes.size()) + " watchdogs fired.") +
-         "</p>";
+  out += "<p>The calibration was solved in " + n(r.calibrate.solve_wall_ms) + " ms.</p>";
   out += "<h2>To repeat this run</h2><p><code>./tools/demo --seed " + std::to_string(r.seed) + " --noise " + r.noise +
          " --pace " + r.pace + "</code></p>" + table({"program", "version"}, programs);
   std::string commands;
@@ -198,7 +205,7 @@ std::string to_html(const Report& r) {
              "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
              "content=\"width=device-width,initial-scale=1\"><title>Armsight: demo report</title><style>") +
          kReportStyle + "</style></head><body>" + head(r) + "<main>" + calibration_section(r) + adapt_section(r) +
-         grasp_section(r) + repeat_section(r) +
+         grasp_section(r) + controller_section(r) + repeat_section(r) +
          "</main><footer><div>report.json beside this file holds the same figures for "
          "programs.</div></footer></body></html>\n";
 }

@@ -1,5 +1,5 @@
-// report.json. Numbers that the machine's speed decides stand under solve_ms, tick_us_* and keys ending in _wall_s
-// only.
+// report.json. Numbers that the machine's speed decides stand under solve_ms, tick_us_* and keys ending in
+// _wall_s only.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -98,6 +98,12 @@ Json grasp_json(const GraspResult& result, const GraspEvaluation& evaluation) {
           {"verdict_agrees_with_truth", evaluation.does_verdict_agree}};
 }
 
+Json duration_json(const DurationRow& row) {
+  return {{"name", row.name},           {"count", row.count},   {"p50_us", row.p50_us},
+          {"p999_us", row.p999_us},     {"max_us", row.max_us}, {"upper_ns", row.upper_ns},
+          {"counts", row.counts}};
+}
+
 }  // namespace
 
 std::string to_json(const Report& r) {
@@ -106,6 +112,8 @@ std::string to_json(const Report& r) {
   for (const Phase& p : r.phases) {
     phases.push_back({{"name", p.name}, {"simulated_s", p.simulated_s}, {"phase_wall_s", p.wall_s}});
   }
+  std::vector<DurationRow> simulated, measured;  // the tick alone depends on the machine in lockstep
+  for (const DurationRow& row : r.controller.durations) (row.name == "tick" ? measured : simulated).push_back(row);
   const Json report = {{"seed", r.seed},
                        {"noise", r.noise},
                        {"bus", r.bus},
@@ -121,6 +129,8 @@ std::string to_json(const Report& r) {
                                        {"tick_us_p999", r.controller.tick_us_p999},
                                        {"cycles", r.controller.cycles},
                                        {"missed", r.controller.missed},
+                                       {"durations", list_of(simulated, duration_json)},
+                                       {"tick_us_histogram", list_of(measured, duration_json)},
                                        {"black_boxes", r.controller.black_boxes}}},
                        {"phases", phases}};
   return report.dump(2) + "\n";

@@ -187,6 +187,21 @@ GraspResult load_grasp(const std::filesystem::path& file) {
   });
 }
 
+ControllerStatus load_status(const std::filesystem::path& file) {
+  return read_result(file, [](const json& j) {
+    ControllerStatus s;
+    s.rate_hz = j.at("rate_hz");
+    s.tick_us_p50 = j.at("tick_us_p50");
+    s.tick_us_p999 = j.at("tick_us_p999");
+    s.cycles = j.at("cycles");
+    s.missed = j.at("missed");
+    for (const json& d : j.at("durations"))
+      s.durations.push_back({d.at("name"), d.at("count"), d.at("p50_us"), d.at("p999_us"), d.at("max_us"),
+                             d.at("upper_ns"), d.at("counts")});
+    return s;
+  });
+}
+
 Truth load_truth(const std::filesystem::path& file) {
   return read_result(file, [&](const json& j) {
     Truth truth;

@@ -84,11 +84,26 @@ struct Truth {
   std::vector<TruthRow> rows;       ///< one a SYNC, times rising
 };
 
+/// One histogram of the controller's cycles: so many durations up to each edge, above the edge before.
+struct DurationRow {
+  std::string name;
+  std::uint64_t count = 0;
+  double p50_us = 0, p999_us = 0, max_us = 0;
+  std::vector<std::uint64_t> upper_ns, counts;
+};
+struct ControllerStatus {
+  double rate_hz = 0, tick_us_p50 = 0, tick_us_p999 = 0;
+  std::uint64_t cycles = 0, missed = 0;
+  std::vector<DurationRow> durations;
+};
+
 /// Throw std::runtime_error "FILE: KEY: what is wrong".
 CalibrateResult load_calibrate(const std::filesystem::path& file);
 AdaptResult load_adapt(const std::filesystem::path& file);
 MoveResult load_move(const std::filesystem::path& file);
 GraspResult load_grasp(const std::filesystem::path& file);
+/// Of `host status --out`.
+ControllerStatus load_status(const std::filesystem::path& file);
 /// truth.json and the truth.csv it names.
 Truth load_truth(const std::filesystem::path& file);
 
