@@ -15,6 +15,8 @@ void put_errors(const BusErrors& e, wire::CycleInput& out) {
   out.set_error_passive(e.error_passive);
   out.set_bus_off(e.bus_off);
   out.set_lost(e.lost);
+  out.set_lost_buses(e.lost_buses);
+  out.set_bus_off_buses(e.bus_off_buses);
 }
 
 void put_lease(const Lease& lease, wire::CycleInput& out) {

@@ -24,8 +24,9 @@ struct RecordedCycle {
 
 class ReplayBus final : public CanBus {
  public:
-  SendResult send(const CanFrame& frame) noexcept override {
-    sent.push_back(frame);
+  SendResult send(const CanFrame& frame) noexcept override { return send_on(0, frame); }
+  SendResult send_on(std::uint8_t bus, const CanFrame& frame) noexcept override {
+    sent.push_back({frame, {}, false, bus});
     const std::size_t i = sent.size() - 1;
     return i < cycle->sent.size() ? static_cast<SendResult>(cycle->sent[i].send_result()) : SendResult::kSent;
   }
@@ -38,26 +39,28 @@ class ReplayBus final : public CanBus {
     std::memcpy(out.frame.data.data(), record.data().data(), out.frame.size);
     out.time = time_from_ns(record.time_ns());
     out.is_own_echo = record.is_own_echo();
+    out.bus = static_cast<std::uint8_t>(record.bus());
     return true;
   }
   BusErrors take_errors() noexcept override {
     const wire::CycleInput& in = cycle->input;
-    return {in.error_frames(), in.send_failures(), in.receive_overflows(), in.error_passive(), in.bus_off(), in.lost()};
+    return {in.error_frames(), in.send_failures(), in.receive_overflows(), in.error_passive(), in.bus_off(), in.lost(),
+            static_cast<std::uint8_t>(in.lost_buses()), static_cast<std::uint8_t>(in.bus_off_buses())};
   }
   const std::string& name() const override { return name_; }
 
   const RecordedCycle* cycle = nullptr;
   std::size_t next = 0;
-  std::vector<CanFrame> sent;
+  std::vector<BusFrame> sent;
 
  private:
   std::string name_ = "replay";
 };
 
-std::string frame_text(std::uint32_t id, const void* data, std::size_t size) {
+std::string frame_text(std::uint32_t bus, std::uint32_t id, const void* data, std::size_t size) {
   char digits[16];
   std::snprintf(digits, sizeof digits, "%03X#", id);
-  std::string text = digits;
+  std::string text = (bus == 0 ? "" : "bus " + std::to_string(bus) + " ") + digits;
   for (std::size_t i = 0; i < size; ++i) {
     std::snprintf(digits, sizeof digits, "%02X", static_cast<const unsigned char*>(data)[i]);
     text += digits;
@@ -65,10 +68,10 @@ std::string frame_text(std::uint32_t id, const void* data, std::size_t size) {
   return text;
 }
 
-std::string text_of(const wire::CanRecord& f) { return frame_text(f.id(), f.data().data(), f.data().size()); }
-std::string text_of(const CanFrame& f) { return frame_text(f.id, f.data.data(), f.size); }
+std::string text_of(const wire::CanRecord& f) { return frame_text(f.bus(), f.id(), f.data().data(), f.data().size()); }
+std::string text_of(const BusFrame& f) { return frame_text(f.bus, f.frame.id, f.frame.data.data(), f.frame.size); }
 
-std::optional<std::string> difference_of_frames(const RecordedCycle& recorded, const std::vector<CanFrame>& replayed) {
+std::optional<std::string> difference_of_frames(const RecordedCycle& recorded, const std::vector<BusFrame>& replayed) {
   for (std::size_t i = 0; i < std::max(recorded.sent.size(), replayed.size()); ++i) {
     const std::string a = i < recorded.sent.size() ? text_of(recorded.sent[i]) : "none";
     const std::string b = i < replayed.size() ? text_of(replayed[i]) : "none";

@@ -1,6 +1,7 @@
 #include "arm_controller/canopen_master.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -37,15 +38,18 @@ NodeOptions node_options(const RobotConfig& robot, const DriveConfig& drive) {
 
 CanopenMaster::CanopenMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen)
     : limits_(robot.arm.limits), hand_(robot.hand), period_s_(robot.controller.period_s),
-      joint_count_(robot.arm.joint_count()), node_count_(joint_count_ + 1), last_seen_(last_seen) {
+      joint_count_(robot.arm.joint_count()), node_count_(joint_count_ + 1), bus_count_(static_cast<std::size_t>(robot.bus_count())),
+      last_seen_(last_seen) {
   for (int i = 0; i < joint_count_; ++i) {
     const std::size_t k = static_cast<std::size_t>(i);
     drives_[k] = robot.drives[k];
+    bus_of_[k] = drives_[k].bus;
     nodes_[k].emplace(node_options(robot, drives_[k]));
   }
   DriveConfig hand;  // its counts a turn are nobody's concern
   hand.node = hand_.node;
   hand.mode = hand_.mode;
+  bus_of_[static_cast<std::size_t>(joint_count_)] = hand_.bus;
   nodes_[static_cast<std::size_t>(joint_count_)].emplace(node_options(robot, hand));
   samples_.q_rad = samples_.torque_Nm = JointVector::Zero(joint_count_);
 }
@@ -54,37 +58,48 @@ void CanopenMaster::latch(const Fault& fault) noexcept {
   if (!samples_.fault.is_set()) samples_.fault = fault;
 }
 
+void CanopenMaster::latch_on(FaultCode code, int bus) noexcept {
+  Fault fault{code};
+  if (bus_count_ > 1) fault.bus = static_cast<std::int8_t>(bus);
+  latch(fault);
+}
+
 void CanopenMaster::take(const BusFrame& received, Time now) noexcept {
+  if (received.bus >= bus_count_) return;
   if (received.is_own_echo) {
-    if (received.frame.id == kSyncId && sync_is_out_) sync_time_ = received.time;  // the instant all joints sampled
+    SyncState& sync = syncs_[received.bus];
+    if (received.frame.id == kSyncId && sync.is_out) sync.time = received.time;
     return;
   }
-  for (int i = 0; i < node_count_; ++i) node_at(i).receive(received.frame, now);
+  for (int i = 0; i < node_count_; ++i)
+    if (bus_of(i) == received.bus) node_at(i).receive(received.frame, now);
 }
 
 void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept {
   take_errors(errors);
   // A cycle that follows a late one comes too soon for the answers to its SYNC: that is our lateness, not the nodes'.
-  const bool is_due = sync_is_out_ && now - sync_sent_ >= seconds_to_duration(kAnswerShare * period_s_);
+  const bool is_time = now - sync_sent_ >= seconds_to_duration(kAnswerShare * period_s_);
   for (int i = 0; i < node_count_; ++i) {
+    const bool is_due = is_time && syncs_[bus_of(i)].is_out;
     node_at(i).advance(now, is_due, samples_.fault.is_set() ? PowerRequest::kQuickStop : power_);
     latch(node(i).fault());
   }
   update_phase();
   update_joints();
   update_hand();
-  sync_is_out_ = false;
+  for (SyncState& sync : syncs_) sync.is_out = false;
 }
 
 void CanopenMaster::take_errors(const BusErrors& errors) noexcept {
   error_totals_.error_frames += errors.error_frames;
   error_totals_.send_failures += errors.send_failures;
   error_totals_.receive_overflows += errors.receive_overflows;
-  if (errors.lost) {
-    error_totals_.lost = true;
-    latch({FaultCode::kBusLost});
-  }
-  if (errors.bus_off) latch({FaultCode::kBusOff});
+  error_totals_.lost = error_totals_.lost || errors.lost;
+  const auto latch_for = [this](FaultCode code, bool is_any, std::uint8_t buses) {
+    if (is_any || buses != 0) latch_on(code, buses == 0 ? 0 : std::countr_zero(buses));
+  };
+  latch_for(FaultCode::kBusLost, errors.lost, errors.lost_buses);
+  latch_for(FaultCode::kBusOff, errors.bus_off, errors.bus_off_buses);
 }
 
 void CanopenMaster::update_phase() noexcept {
@@ -138,9 +153,9 @@ void CanopenMaster::check_wrap(int joint, double q_rad) noexcept {
 }
 
 void CanopenMaster::update_joints() noexcept {
-  bool all_fresh = sync_is_out_, all_known = true;
+  bool all_fresh = true, all_known = true;
   for (int i = 0; i < joint_count_; ++i) {
-    all_fresh = all_fresh && node(i).is_fresh();
+    all_fresh = all_fresh && syncs_[bus_of(i)].is_out && node(i).is_fresh();
     all_known = all_known && node(i).has_feedback();
   }
   samples_.is_fresh = all_fresh && all_known;
@@ -156,13 +171,13 @@ void CanopenMaster::update_joints() noexcept {
   if (!samples_.is_fresh) return;
   samples_.q_rad = q;
   last_seen_ = q;
-  samples_.time = last_fresh_ = sync_time_;
+  samples_.time = last_fresh_ = sampling_time();
   samples_.has_positions = true;
 }
 
 // An encoder jump must stop the arm and never reach the filter as an offset (controller.md §4.4, §10 no. 8).
 bool CanopenMaster::positions_are_plausible(const JointVector& q) noexcept {
-  const double farthest = kFastestJoint_rad_s * to_seconds(sync_time_ - last_fresh_) + kEncoderNoise_rad;
+  const double farthest = kFastestJoint_rad_s * to_seconds(sampling_time() - last_fresh_) + kEncoderNoise_rad;
   for (int i = 0; i < joint_count_; ++i) {
     if (node(i).needs_homing()) continue;
     if (!samples_.has_positions) check_wrap(i, q[i]);
@@ -195,22 +210,38 @@ std::int32_t CanopenMaster::target_counts(int joint, double q_rad) const noexcep
   return static_cast<std::int32_t>(std::lround((q_rad - drive.zero_rad) / turn(drive)));
 }
 
-void CanopenMaster::add(const CanFrame& frame) noexcept {
-  if (outgoing_count_ < outgoing_.size()) outgoing_[outgoing_count_++] = frame;
+void CanopenMaster::add(const CanFrame& frame, std::size_t bus, Kind kind) noexcept {
+  if (outgoing_count_ < outgoing_.size())
+    outgoing_[outgoing_count_++] = {frame, static_cast<std::uint8_t>(bus), kind};
+}
+
+void CanopenMaster::add_on_all(const CanFrame& frame, Kind kind) noexcept {
+  for (std::size_t bus = 0; bus < bus_count_; ++bus) add(frame, bus, kind);
+}
+
+// SYNCs of several buses end within a frame's time of each other: the middle stands for all joints.
+Time CanopenMaster::sampling_time() const noexcept {
+  Time first = syncs_[0].time, last = first;
+  for (std::size_t bus = 1; bus < bus_count_; ++bus) {
+    first = std::min(first, syncs_[bus].time);
+    last = std::max(last, syncs_[bus].time);
+  }
+  return first + (last - first) / 2;
 }
 
 void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
   outgoing_count_ = 0;
-  set_points_failed_ = false;
+  failed_bus_.reset();
   if (command.recover) recover(now);
   power_ = command.power;
   sync_counter_ = static_cast<std::uint8_t>(sync_counter_ % 10 + 1);
-  add(encode(Sync{sync_counter_}));
+  add_on_all(encode(Sync{sync_counter_}), Kind::kSync);
   for (int i = 0; i < joint_count_; ++i) {
     const double q = i < command.q_rad.size() ? command.q_rad[i] : samples_.q_rad[i];
     const double bend = i < command.bend_rad.size() ? command.bend_rad[i] : 0.0;
     const auto bend_counts = static_cast<std::int32_t>(std::lround(bend / turn(drives_[static_cast<std::size_t>(i)])));
-    if (const auto frame = node_at(i).set_point(target_counts(i, q), bend_counts)) add(*frame);
+    if (const auto frame = node_at(i).set_point(target_counts(i, q), bend_counts))
+      add(*frame, bus_of(i), Kind::kSetPoint);
   }
   const double stroke = hand_.closed_counts - hand_.open_counts;
   const bool goes_by_itself = hand_.mode == DriveMode::kProfilePosition;
@@ -220,25 +251,26 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
   const auto counts = hand_node().torque_limit_is_set()
                           ? static_cast<std::int32_t>(std::lround(hand_.open_counts + closure * stroke))
                           : hand_node().position_counts();
-  if (const auto frame = hand_node().set_point(counts)) add(*frame);
+  if (const auto frame = hand_node().set_point(counts)) add(*frame, hand_.bus, Kind::kSetPoint);
   for (int i = 0; i < node_count_; ++i)
-    if (const auto frame = node_at(i).service_frame(now)) add(*frame);
+    if (const auto frame = node_at(i).service_frame(now)) add(*frame, bus_of(i), Kind::kOther);
   if (!own_heartbeat_ || now - *own_heartbeat_ >= kOwnHeartbeatPeriod) {
-    add(encode(Heartbeat{NmtState::kOperational}, kControllerNode));
+    add_on_all(encode(Heartbeat{NmtState::kOperational}, kControllerNode), Kind::kOther);
     own_heartbeat_ = now;
   }
 }
 
 // A frame that finds no room is dropped and counted, never queued: a stale set-point is worse than none.
 void CanopenMaster::note_sent(std::size_t i, SendResult result, Time now) noexcept {
-  if (i == 0 && result == SendResult::kSent) {
-    sync_is_out_ = true;
-    sync_sent_ = sync_time_ = now;  // until the echo tells better
+  const Outgoing& sent = outgoing_[i];
+  if (sent.kind == Kind::kSync && result == SendResult::kSent) {
+    syncs_[sent.bus] = {true, now};  // until the echo tells better
+    sync_sent_ = now;
   }
-  if (result != SendResult::kSent && i <= static_cast<std::size_t>(node_count_)) set_points_failed_ = true;
+  if (result != SendResult::kSent && sent.kind != Kind::kOther) failed_bus_ = sent.bus;
   if (i + 1 != outgoing_count_) return;
-  failed_cycles_ = set_points_failed_ ? failed_cycles_ + 1 : 0;
-  if (failed_cycles_ >= kFailedCyclesLimit) latch({FaultCode::kSendFailed});
+  failed_cycles_ = failed_bus_ ? failed_cycles_ + 1 : 0;
+  if (failed_cycles_ >= kFailedCyclesLimit) latch_on(FaultCode::kSendFailed, failed_bus_.value_or(0));
 }
 
 }  // namespace armsight::arm

@@ -32,15 +32,16 @@ class CanopenMaster {
     return samples_;
   }
 
-  /// SYNC, then set-points, then at most one service frame a node and our heartbeat: sampled data always beat commands,
-  /// commands beat configuration. on_frame(const BusFrame&, SendResult) sees what was sent, and what found no room.
+  /// SYNC on every bus, then set-points, then at most one service frame a node and our heartbeat: sampled data always
+  /// beat commands, commands beat configuration. on_frame(const BusFrame&, SendResult) sees what was sent, and what found
+  /// no room.
   template <typename OnFrame>
   void send(CanBus& bus, const JointCommand& command, Time now, OnFrame&& on_frame) noexcept {
     prepare(command, now);
     for (std::size_t i = 0; i < outgoing_count_; ++i) {
-      const SendResult result = bus.send(outgoing_[i]);
+      const SendResult result = bus.send_on(outgoing_[i].bus, outgoing_[i].frame);
       note_sent(i, result, now);
-      on_frame(BusFrame{outgoing_[i], now, false}, result);
+      on_frame(BusFrame{outgoing_[i].frame, now, false, outgoing_[i].bus}, result);
     }
   }
 
@@ -53,6 +54,17 @@ class CanopenMaster {
   std::optional<SelfCheck> take_self_check() noexcept;
 
  private:
+  enum class Kind : std::uint8_t { kSync, kSetPoint, kOther };
+  struct Outgoing {
+    CanFrame frame;
+    std::uint8_t bus = 0;
+    Kind kind = Kind::kOther;
+  };
+  struct SyncState {
+    bool is_out = false;  ///< sent and not yet answered for
+    Time time;            ///< the instant at which the nodes of the bus sampled
+  };
+
   void take(const BusFrame& received, Time now) noexcept;
   void finish_receiving(const BusErrors& errors, Time now) noexcept;
   void take_errors(const BusErrors& errors) noexcept;
@@ -63,9 +75,13 @@ class CanopenMaster {
   bool positions_are_plausible(const JointVector& q) noexcept;
   void check_wrap(int joint, double q_rad) noexcept;
   void latch(const Fault& fault) noexcept;
+  void latch_on(FaultCode code, int bus) noexcept;
   void recover(Time now) noexcept;
   void prepare(const JointCommand& command, Time now) noexcept;
-  void add(const CanFrame& frame) noexcept;
+  void add(const CanFrame& frame, std::size_t bus, Kind kind) noexcept;
+  void add_on_all(const CanFrame& frame, Kind kind) noexcept;
+  Time sampling_time() const noexcept;
+  std::size_t bus_of(int i) const noexcept { return bus_of_[static_cast<std::size_t>(i)]; }
   void note_sent(std::size_t i, SendResult result, Time now) noexcept;
   std::int32_t target_counts(int joint, double q_rad) const noexcept;
   Node& node_at(int i) noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
@@ -76,6 +92,8 @@ class CanopenMaster {
   HandConfig hand_;
   double period_s_;
   int joint_count_ = 0, node_count_ = 0;
+  std::size_t bus_count_ = 1;
+  std::array<std::uint8_t, kMaxNodes> bus_of_{};
   std::array<std::optional<Node>, kMaxNodes> nodes_;
 
   JointSamples samples_;
@@ -85,15 +103,15 @@ class CanopenMaster {
   bool self_check_is_due_ = true;
   PowerRequest power_ = PowerRequest::kOff;
   std::uint8_t sync_counter_ = 0;
-  bool sync_is_out_ = false;             ///< sent and not yet answered for
-  Time sync_sent_{}, sync_time_{};
+  std::array<SyncState, kMaxBuses> syncs_{};
+  Time sync_sent_{};
   Time last_fresh_{};
   std::optional<Time> own_heartbeat_;
   int failed_cycles_ = 0;
-  bool set_points_failed_ = false;
+  std::optional<std::uint8_t> failed_bus_;  ///< in this cycle SYNC or set-points found no room there
   BusErrors error_totals_, errors_;
 
-  std::array<CanFrame, 2 * kMaxNodes + 2> outgoing_{};
+  std::array<Outgoing, 2 * kMaxNodes + 2 * kMaxBuses> outgoing_{};
   std::size_t outgoing_count_ = 0;
 };
 

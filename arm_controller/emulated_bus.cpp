@@ -15,8 +15,6 @@ namespace armsight::arm {
 
 namespace {
 
-constexpr net::ChannelKey kBusChannel{net::ChannelKind::kBus, 0};
-
 Descriptor connect_to_hub(const std::string& path, std::uint32_t participant) {
   const auto refuse = [&path](const std::string& reason) {
     throw std::runtime_error("emulated bus " + path + ": " + reason);
@@ -36,15 +34,16 @@ Descriptor connect_to_hub(const std::string& path, std::uint32_t participant) {
 
 class EmulatedBus : public CanBus {
  public:
-  EmulatedBus(const std::string& path, net::Clock& clock)
-      : clock_(clock), name_("emulated:" + path), socket_(connect_to_hub(path, clock.participant())) {}
+  EmulatedBus(const std::string& path, net::Clock& clock, int bus)
+      : clock_(clock), channel_{net::bus_channel(bus), 0}, name_("emulated:" + path),
+        socket_(connect_to_hub(path, clock.participant())) {}
 
   SendResult send(const CanFrame& frame) noexcept override {
     if (errors_.lost) return SendResult::kBusDown;
     const BusPacketBytes bytes = encode_bus_packet({clock_.is_lockstep() ? 0 : net::monotonic_ns(), frame, 0});
     const ssize_t n = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (n == static_cast<ssize_t>(bytes.size())) {
-      clock_.count_sent(kBusChannel);
+      clock_.count_sent(channel_);
       return SendResult::kSent;
     }
     ++errors_.send_failures;
@@ -58,7 +57,7 @@ class EmulatedBus : public CanBus {
       const std::optional<Time> due = next_due();
       if (clock_.is_lockstep() && !due) return false;
       const std::optional<BusPacket> packet = next_packet();
-      if (clock_.is_lockstep()) clock_.count_received(kBusChannel);
+      if (clock_.is_lockstep()) clock_.count_received(channel_);
       if (!packet) return false;
       if (is_notice(*packet)) continue;
       frame = {packet->frame, due ? *due : to_own_time(packet->time_ns), (packet->flags & kFlagOwnEcho) != 0};
@@ -78,7 +77,7 @@ class EmulatedBus : public CanBus {
 
  private:
   std::optional<Time> next_due() const noexcept {
-    const auto due = clock_.due(kBusChannel);
+    const auto due = clock_.due(channel_);
     if (due.empty()) return std::nullopt;
     return due.front();
   }
@@ -112,6 +111,7 @@ class EmulatedBus : public CanBus {
   }
 
   net::Clock& clock_;
+  net::ChannelKey channel_;
   std::string name_;
   Descriptor socket_;
   BusErrors errors_;
@@ -119,8 +119,8 @@ class EmulatedBus : public CanBus {
 
 }  // namespace
 
-std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& clock) {
-  return std::make_unique<EmulatedBus>(path, clock);
+std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& clock, int bus) {
+  return std::make_unique<EmulatedBus>(path, clock, bus);
 }
 
 BusObserver::BusObserver(const std::string& path) : socket_(connect_to_hub(path, 0)) {}

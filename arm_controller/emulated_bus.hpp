@@ -11,7 +11,8 @@
 namespace armsight::arm {
 
 /// Throws std::runtime_error "emulated bus PATH: reason". The clock must outlive the bus.
-std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& clock);
+/// `bus`: its number among the arm's.
+std::unique_ptr<CanBus> join_emulated_bus(const std::string& path, net::Clock& clock, int bus = 0);
 /// A listener: sees every frame with the bus' own time, sends nothing.
 class BusObserver {
  public:

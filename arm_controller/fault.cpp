@@ -37,6 +37,8 @@ std::string last_seen(const Fault& f, const char* what) {
   return std::string(", ") + what + " " + figure(1e-6 * static_cast<double>(f.age_ns), "ms ago");
 }
 
+std::string bus_number(const Fault& f) { return f.bus < 0 ? "" : " " + std::to_string(f.bus); }
+
 std::string moved(const Fault& f) { return figure(f.moved_rad / kDegree, "deg"); }
 
 }  // namespace
@@ -45,8 +47,8 @@ std::string fault_text(const Fault& f) {
   const std::string node = "node " + std::to_string(f.node);
   switch (f.code) {
     case FaultCode::kNone: return "no fault";
-    case FaultCode::kBusLost: return "the CAN bus is gone";
-    case FaultCode::kBusOff: return "the CAN interface is bus-off";
+    case FaultCode::kBusLost: return "the CAN bus" + bus_number(f) + " is gone";
+    case FaultCode::kBusOff: return "the CAN interface" + (f.bus < 0 ? "" : " of bus" + bus_number(f)) + " is bus-off";
     case FaultCode::kNodeAbsent: return node + ": neither boot-up nor heartbeat nor answer in 3 s";
     case FaultCode::kFeedbackMissing: return node + ": third TPDO1 in a row missing" + last_seen(f, "last seen");
     case FaultCode::kHeartbeatLost:
@@ -58,7 +60,7 @@ std::string fault_text(const Fault& f) {
     case FaultCode::kReadBackDiffers:
       return node + ": wrote " + hex(f.expected, 8) + " to " + object(f) + ", read back " + hex(f.detail, 8);
     case FaultCode::kNodeRestarted: return node + ": restarted or left the operational state while in use";
-    case FaultCode::kSendFailed: return "set-points could not be sent in three cycles in a row";
+    case FaultCode::kSendFailed: return "set-points could not be sent" + (f.bus < 0 ? "" : " on bus" + bus_number(f)) + " in three cycles in a row";
     case FaultCode::kNoSupervision:
       return node + ": has neither RPDO deadline (0x1400:5) nor heartbeat consumer (0x1016): it would not notice our death";
     case FaultCode::kEmergencyStorm:

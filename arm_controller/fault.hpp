@@ -59,6 +59,7 @@ struct Fault {
   std::uint32_t expected = 0;   ///< value wanted; after an emergency: the error register
   std::int64_t age_ns = -1;     ///< since the last sign of life; -1: says nothing
   double moved_rad = 0.0;       ///< what a joint seems to have moved
+  std::int8_t bus = -1;         ///< of several buses; -1: there is only one, or none is meant
 
   bool is_set() const { return code != FaultCode::kNone; }
 };

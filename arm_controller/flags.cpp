@@ -17,8 +17,8 @@ const char* const kHelp =
     "  --config FILE          robot file (arm_controller/config/ego_right_arm.yaml)\n"
     "  --listen ADDR:PORT     loopback only; port 0: the system chooses, the program prints it\n"
     "  --state DIR            model in force, recordings, black boxes\n"
-    "  --can IFACE            SocketCAN interface; implies real pace\n"
-    "  --bus emulated:PATH    bus of a running arm_sim\n"
+    "  --can IFACE            SocketCAN interface; implies real pace; once for each bus of the robot file, in order\n"
+    "  --bus emulated:PATH    bus of a running arm_sim; as often\n"
     "  --clock sim:PATH       simulated clock of that arm_sim; without it: this machine's\n"
     "  --rate HZ              instead of the configured period; what the bus cannot carry is refused (can_budget)\n"
     "  --replay FILE          go through a black box of this very executable again, alone: same (0) or different (1)\n"
@@ -62,7 +62,7 @@ void check(Flags& flags) {
   need(flags.listen, "--listen");
   need(flags.state, "--state");
   if (flags.can.empty() == flags.emulated_bus.empty())
-    throw FlagError("exactly one of --can IFACE and --bus emulated:PATH is needed (see --help)");
+    throw FlagError("exactly one of --can IFACE and --bus emulated:PATH is needed, once a bus (see --help)");
   if (!flags.can.empty() && !flags.sim_clock.empty())
     throw FlagError("--clock sim:PATH: a CAN interface runs at real pace only");
   flags.listen = loopback(flags.listen);
@@ -74,7 +74,7 @@ Flags parse_flags(int argc, const char* const* argv) {
   Flags flags;
   const std::map<std::string, std::string*> texts{
       {"--config", &flags.config}, {"--listen", &flags.listen}, {"--state", &flags.state},
-      {"--can", &flags.can}, {"--replay", &flags.replay}};
+      {"--replay", &flags.replay}};
   for (int i = 1; i < argc; ++i) {
     std::string flag = argv[i], value;
     if (flag == "--help") {
@@ -92,11 +92,12 @@ Flags parse_flags(int argc, const char* const* argv) {
       value = argv[++i];
     }
     const auto text = texts.find(flag);
-    const bool is_known = text != texts.end() || flag == "--bus" || flag == "--clock" || flag == "--rate";
+    const bool is_known = text != texts.end() || flag == "--can" || flag == "--bus" || flag == "--clock" || flag == "--rate";
     if (!is_known) throw FlagError(flag + ": unknown flag (see --help)");
     if (value.empty()) throw FlagError(flag + ": needs a value");
     if (text != texts.end()) *text->second = value;
-    if (flag == "--bus") flags.emulated_bus = after_prefix(flag, value, "emulated:");
+    if (flag == "--can") flags.can.push_back(value);
+    if (flag == "--bus") flags.emulated_bus.push_back(after_prefix(flag, value, "emulated:"));
     if (flag == "--clock") flags.sim_clock = after_prefix(flag, value, "sim:");
     if (flag == "--rate") flags.rate_hz = rate(value);
   }

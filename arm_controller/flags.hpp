@@ -3,14 +3,15 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace armsight::arm {
 
 struct Flags {
   bool help = false, require_rt = false;
   std::string config, listen, state;
-  std::string can;            ///< SocketCAN interface
-  std::string emulated_bus;   ///< path
+  std::vector<std::string> can;           ///< SocketCAN interfaces, one a bus of the robot file
+  std::vector<std::string> emulated_bus;  ///< or paths
   std::string replay;         ///< black box to go through again, and nothing else
   std::string sim_clock;      ///< path
   double rate_hz = 0.0;       ///< 0: as configured

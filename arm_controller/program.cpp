@@ -8,6 +8,7 @@
 #include "arm_controller/emulated_bus.hpp"
 #include "arm_controller/last_position.hpp"
 #include "arm_controller/real_time.hpp"
+#include "arm_controller/several_buses.hpp"
 #include "arm_controller/socket_can.hpp"
 #include "arm_controller/state_folder.hpp"
 #include "arm_controller/two_threads.hpp"
@@ -55,18 +56,37 @@ std::unique_ptr<net::Clock> make_clock(const Flags& flags, const RobotConfig& ro
   }
 }
 
+void check_bus_count(const Flags& flags, const RobotConfig& robot) {
+  const std::size_t given = flags.can.size() + flags.emulated_bus.size(), needed = static_cast<std::size_t>(robot.bus_count());
+  if (given == needed) return;
+  throw FlagError(std::string(flags.can.empty() ? "--bus" : "--can") + " is given " + std::to_string(given) + " times, the drives of " +
+                  flags.config + " are on " + std::to_string(needed) + (needed == 1 ? " bus" : " buses"));
+}
+
 std::unique_ptr<CanBus> make_bus(const Flags& flags, net::Clock& clock) {
-  if (!flags.can.empty()) return open_socket_can(flags.can, clock);
+  std::vector<std::unique_ptr<CanBus>> buses;
+  for (const std::string& interface : flags.can) buses.push_back(open_socket_can(interface, clock));
   try {
-    return join_emulated_bus(flags.emulated_bus, clock);
+    for (const std::string& path : flags.emulated_bus)
+      buses.push_back(join_emulated_bus(path, clock, static_cast<int>(buses.size())));
   } catch (const std::exception& e) {
     throw BusError(e.what());
   }
+  return join_buses(std::move(buses));
+}
+
+/// "emulated", "socketcan can0+can1": what recordings and the link are told.
+std::string kind_of_bus(const Flags& flags) {
+  if (flags.can.empty()) return "emulated";
+  std::string text = "socketcan ";
+  for (const std::string& interface : flags.can) text += (&interface == &flags.can.front() ? "" : "+") + interface;
+  return text;
 }
 
 }  // namespace
 
 Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), robot_(load(flags)) {
+  check_bus_count(flags, robot_);
   state_folder_ = hold_state_folder(flags.state);
   start_ = load_model_in_force(flags.state, robot_);
   const LastPosition last = load_last_position(flags.state, robot_);
@@ -76,7 +96,7 @@ Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), ro
   clock_ = make_clock(flags, robot_);
   bus_ = make_bus(flags, *clock_);
   const bool is_emulated = flags.can.empty();
-  const std::string bus = is_emulated ? "emulated" : "socketcan " + flags.can;
+  const std::string bus = kind_of_bus(flags);
   files_ = std::make_unique<FileWriter>(flags.state, robot_, bus, text_of(flags.config), tape_);
   link_ = std::make_unique<LinkServer>(flags.listen, robot_, bus, mailboxes_, statistics_, *files_, *clock_);
   files_->begin(clock_->now());  // an address that is taken must not push the last recording out

@@ -99,16 +99,27 @@ BusBudget budget_of(int bus, const std::vector<std::uint8_t>& nodes, const Wire&
   return out;
 }
 
+std::vector<std::uint8_t> nodes_on(const RobotConfig& robot, int bus) {
+  std::vector<std::uint8_t> nodes;
+  for (const DriveConfig& drive : robot.drives)
+    if (drive.bus == bus) nodes.push_back(drive.node);
+  if (robot.hand.bus == bus) nodes.push_back(robot.hand.node);
+  return nodes;
+}
+
 std::vector<std::uint8_t> all_nodes(const RobotConfig& robot) {
   std::vector<std::uint8_t> nodes;
-  for (const DriveConfig& drive : robot.drives) nodes.push_back(drive.node);
-  nodes.push_back(robot.hand.node);
+  for (int bus = 0; bus < robot.bus_count(); ++bus)
+    for (const std::uint8_t node : nodes_on(robot, bus)) nodes.push_back(node);
   return nodes;
 }
 
 /// Loads alone: the latest responses are worth their time only for people.
 std::vector<BusBudget> loads_of(const RobotConfig& robot, double period_s) {
-  return {budget_of(0, all_nodes(robot), {robot.controller.bus_bitrate_bit_s, period_s})};
+  std::vector<BusBudget> out;
+  for (int bus = 0; bus < robot.bus_count(); ++bus)
+    out.push_back(budget_of(bus, nodes_on(robot, bus), {robot.controller.bus_bitrate_bit_s, period_s}));
+  return out;
 }
 
 std::string rate_text(double period_s) {
@@ -219,7 +230,7 @@ std::string broken_load_rule(const RobotConfig& robot) {
   const auto shortest = shortest_period_s(robot);
   const auto buses = buses_needed(robot, period_s);
   return text + std::string("; ") + (shortest ? "the highest rate that fits is " + rate_text(*shortest) : "no rate fits") +
-         (buses && *buses > 1 ? "; this rate needs " + std::to_string(*buses) + " buses" : "");
+         (buses && *buses > robot.bus_count() ? "; this rate needs " + std::to_string(*buses) + " buses" : "");
 }
 
 }  // namespace armsight

@@ -45,6 +45,20 @@ std::uint8_t read_node(const YamlValue& node, std::set<std::int64_t>& taken) {
   return static_cast<std::uint8_t>(id.value_or(0));
 }
 
+std::uint8_t read_bus(const YamlValue& drive) {
+  const YamlValue bus = drive.optional_key("bus");
+  return bus.exists() ? static_cast<std::uint8_t>(bus.integer(0, kMaxBuses - 1)) : std::uint8_t{0};
+}
+
+/// Bus 1 alone would be bus 0.
+void check_buses(const YamlValue& root, const RobotConfig& robot) {
+  for (int bus = 0; bus < robot.bus_count(); ++bus) {
+    const auto is_here = [bus](const DriveConfig& drive) { return drive.bus == bus; };
+    if (robot.hand.bus == bus || std::ranges::any_of(robot.drives, is_here)) continue;
+    root.key("joints").refuse("no drive is on bus " + std::to_string(bus) + ", though one is on a higher one");
+  }
+}
+
 /// `second` beside cyclic position; csp is the default.
 DriveMode read_mode(const YamlValue& mode, const char* name, DriveMode second) {
   if (!mode.exists()) return DriveMode::kCyclicPosition;
@@ -58,6 +72,7 @@ DriveMode read_mode(const YamlValue& mode, const char* name, DriveMode second) {
 DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes, double farthest_rad) {
   DriveConfig out;
   out.node = read_node(drive.key("node"), nodes);
+  out.bus = read_bus(drive);
   const YamlValue counts = drive.key("counts_per_turn");
   out.counts_per_turn = counts.positive(2147483647);
   const YamlValue sign = drive.key("sign");
@@ -112,6 +127,7 @@ void read_joints(const YamlValue& root, std::set<std::int64_t>& nodes, RobotConf
 HandConfig read_hand(const YamlValue& hand, std::set<std::int64_t>& nodes) {
   HandConfig out;
   out.node = read_node(hand.key("node"), nodes);
+  out.bus = read_bus(hand);
   out.open_counts = static_cast<int>(hand.key("open_counts").integer(-2147483647, 2147483647));
   const YamlValue closed = hand.key("closed_counts");
   out.closed_counts = static_cast<int>(closed.integer(-2147483647, 2147483647));
@@ -212,6 +228,12 @@ const char* broken_deadline_rule(double rpdo_deadline_s, double period_s) {
   return rpdo_deadline_s < 2 * period_s ? "must be at least two periods: one lost frame is no fault" : nullptr;
 }
 
+int RobotConfig::bus_count() const {
+  int highest = hand.bus;
+  for (const DriveConfig& drive : drives) highest = std::max<int>(highest, drive.bus);
+  return highest + 1;
+}
+
 RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   const StrictYaml yaml = StrictYaml::parse(text, file_name);
   const YamlValue root = yaml.root();
@@ -225,6 +247,7 @@ RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   out.soft.chain = out.arm.chain;
   out.soft.gravity_m_s2 = out.gravity_m_s2;
   out.hand = read_hand(root.key("hand"), nodes);
+  check_buses(root, out);
   const YamlValue marker = root.key("hand_marker");
   out.hand_marker = read_marker(marker);
   out.arm.T_H_M = read_pose(marker);

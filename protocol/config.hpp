@@ -20,9 +20,12 @@ namespace armsight {
 /// Mode of operation of a drive: the numbers of CiA 402's 0x6060.
 enum class DriveMode : std::uint8_t { kProfilePosition = 1, kHoming = 6, kCyclicPosition = 8, kCyclicVelocity = 9 };
 
+inline constexpr int kMaxBuses = 4;
+
 /// q = sign · 2π · counts / counts_per_turn + zero_rad.
 struct DriveConfig {
   std::uint8_t node = 0;
+  std::uint8_t bus = 0;                         ///< which of the arm's CAN buses
   double counts_per_turn = 0;
   int sign = 1;
   double zero_rad = 0.0;
@@ -32,6 +35,7 @@ struct DriveConfig {
 
 struct HandConfig {
   std::uint8_t node = 0;
+  std::uint8_t bus = 0;
   int open_counts = 0;
   int closed_counts = 0;
   DriveMode mode = DriveMode::kCyclicPosition;  ///< or kProfilePosition: the drive leads the fingers by itself
@@ -76,6 +80,9 @@ struct RobotConfig {
   Pose camera_hint_T_C_B;
   ControllerConfig controller;
   EkfOptions filter;
+  /// Buses that drives and hand are on: 0 … bus_count() - 1, none left out.
+  int bus_count() const;
+
   std::map<std::string, JointVector> postures;  ///< named, real angles, inside the limits
 };
 

@@ -22,8 +22,8 @@ armsight::sim::SimulationOptions load(const armsight::sim::ArmSimFlags& flags) {
   options.seed = flags.seed;
   options.is_lockstep = flags.is_lockstep;
   options.clock_path = flags.clock_path;
-  options.emulated_bus_path = flags.emulated_bus_path;
-  options.can_interface = flags.can_interface;
+  options.emulated_bus_paths = flags.emulated_bus_paths;
+  options.can_interfaces = flags.can_interfaces;
   options.log_file = flags.log_file;
   return options;
 }

@@ -32,7 +32,7 @@ struct Seen {
 };
 using SeenBuses = std::vector<Seen>;
 
-/// The interfaces of a log, in order of appearance, are bus 0, bus 1 …
+/// The interfaces of a log, in order of their names, are bus 0, bus 1 …
 SeenBuses read_log(const std::string& file, double bitrate_bit_s) {
   std::ifstream in(file);
   if (!in) throw ConfigError(file + ": cannot be read");
@@ -49,6 +49,7 @@ SeenBuses read_log(const std::string& file, double bitrate_bit_s) {
     bus->traffic.add(result.line->frame, result.line->time);
   }
   if (out.empty()) throw ConfigError(file + ": holds no frame");
+  std::ranges::sort(out, {}, &Seen::name);
   return out;
 }
 
@@ -187,18 +188,20 @@ int main(int argc, char** argv) {
   tools::CommandLine line("Does the arm's traffic fit on its CAN buses: worst case from the robot file, latest "
                           "response of every message, and what a recording or a running bus shows beside it.",
                           "can_budget");
-  std::string robot_file, log, bus, interface;
+  std::string robot_file, log;
+  std::vector<std::string> buses, interfaces;
   std::optional<double> rate_hz, seconds;
   line.add("--robot", robot_file, "robot file").required();
   line.add("--rate", rate_hz, "cycles a second, instead of the robot file's").between(10.0, 1000.0);
-  line.add("--log", log, "candump -L text, e.g. of arm_sim --log; its interfaces are bus 0, 1 … as they appear");
-  line.add("--bus", bus, "emulated:PATH: listen to the bus that arm_sim serves at its own pace");
-  line.add("--can", interface, "listen to a CAN interface of this machine");
-  line.add("--seconds", seconds, "how long to listen (5)").positive();
+  line.add("--log", log, "candump -L text, e.g. of arm_sim --log; its interfaces by name are bus 0, 1 …");
+  line.add("--bus", buses, "emulated:PATH: listen to the bus that arm_sim serves; once a bus, in order");
+  line.add("--can", interfaces, "listen to a CAN interface of this machine; once a bus, in order");
+  line.add("--seconds", seconds, "how long to listen, to one bus after the other (5)").positive();
   if (const auto code = line.parse(argc, argv)) return *code;
   const std::string prefix = "emulated:";
-  const int sources = int{!log.empty()} + int{!bus.empty()} + int{!interface.empty()};
-  if (sources > 1 || (!bus.empty() && !bus.starts_with(prefix))) {
+  const int sources = int{!log.empty()} + int{!buses.empty()} + int{!interfaces.empty()};
+  const auto is_emulated = [&prefix](const std::string& bus) { return bus.starts_with(prefix); };
+  if (sources > 1 || !std::ranges::all_of(buses, is_emulated)) {
     std::fprintf(stderr, "can_budget: give at most one of --log FILE, --bus emulated:PATH and --can IFACE\n");
     return 2;
   }
@@ -212,8 +215,9 @@ int main(int argc, char** argv) {
     const double bitrate = robot.controller.bus_bitrate_bit_s;
     SeenBuses seen;
     if (!log.empty()) seen = read_log(log, bitrate);
-    if (!bus.empty()) seen = {listen_to_emulated(bus.substr(prefix.size()), seconds.value_or(5.0), bitrate)};
-    if (!interface.empty()) seen = {listen_to_interface(interface, seconds.value_or(5.0), bitrate)};
+    const double each_s = seconds.value_or(5.0);
+    for (const std::string& bus : buses) seen.push_back(listen_to_emulated(bus.substr(prefix.size()), each_s, bitrate));
+    for (const std::string& name : interfaces) seen.push_back(listen_to_interface(name, each_s, bitrate));
     return run(robot, seen);
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "can_budget: %s\n", error.what());

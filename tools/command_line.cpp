@@ -59,6 +59,10 @@ Option CommandLine::add(const std::string& name, std::optional<double>& value, c
   return Option(app_->add_option(name, value, help));
 }
 
+Option CommandLine::add(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  return Option(app_->add_option(name, values, help)->allow_extra_args(false));
+}
+
 Option CommandLine::add(const std::string& name, bool& value, const std::string& help) {
   return Option(app_->add_flag(name, value, help));
 }

@@ -42,6 +42,8 @@ class CommandLine {
   Option add(const std::string& name, int& value, const std::string& help);
   Option add(const std::string& name, std::uint64_t& value, const std::string& help);
   Option add(const std::string& name, std::optional<double>& value, const std::string& help);
+  /// Given any number of times, one value each.
+  Option add(const std::string& name, std::vector<std::string>& values, const std::string& help);
   Option add(const std::string& name, bool& value, const std::string& help);
 
   /// The exit code to leave with: 0 after --help, 2 for a line that cannot be taken; none: all is well.

@@ -13,7 +13,11 @@
 
 namespace armsight::net {
 
-enum class ChannelKind : std::uint8_t { kBus = 1, kLink = 2, kCamera = 3 };
+enum class ChannelKind : std::uint8_t { kBus = 1, kLink = 2, kCamera = 3, kBus1 = 4, kBus2 = 5, kBus3 = 6 };
+/// Of one of several buses, 0 … 3.
+constexpr ChannelKind bus_channel(int bus) noexcept {
+  return bus == 0 ? ChannelKind::kBus : static_cast<ChannelKind>(static_cast<int>(ChannelKind::kBus1) + bus - 1);
+}
 
 /// One direction-less channel of the account: what kind, and who is at its other end (sim participant id; 0 = arm_sim).
 struct ChannelKey {

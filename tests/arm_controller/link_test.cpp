@@ -338,7 +338,7 @@ TEST(Link, TakesAStopBeforeWhateverElseCame) {
   rig.files.reset();
   std::ifstream in(rig.folder / "ticks.mcap", std::ios::binary);
   RecordingReader reader(in);
-  std::map<std::int64_t, std::vector<bool>> is_accepted;  // what was answered in a step: the recording tells it in order
+  std::map<std::int64_t, std::vector<bool>> is_accepted;  // what was answered in a step, in order
   std::int64_t at_stop = 0;
   for (RecordedMessage message; reader.next(message);) {
     wire::LinkRecord record;

@@ -33,9 +33,14 @@ TEST(Flags, ReadTheContract) {
   const Flags f = parse({"--config", "r.yaml", "--listen=127.0.0.1:0", "--state", "s", "--bus", "emulated:/b",
                          "--clock", "sim:/c", "--rate", "500"});
   EXPECT_EQ(f.config, "r.yaml");
-  EXPECT_EQ(f.emulated_bus, "/b");
+  EXPECT_EQ(f.emulated_bus, std::vector<std::string>{"/b"});
   EXPECT_EQ(f.sim_clock, "/c");
   EXPECT_EQ(f.rate_hz, 500.0);
+}
+
+TEST(Flags, TakeABusMoreThanOnce) {
+  const Flags f = parse({"--config", "r.yaml", "--listen=127.0.0.1:0", "--state", "s", "--can", "can0", "--can=can1"});
+  EXPECT_EQ(f.can, (std::vector<std::string>{"can0", "can1"}));
 }
 
 TEST(Flags, RefuseWhatIsUnknownMissingOrOpenToTheNetwork) {
@@ -74,6 +79,18 @@ TEST(Rate, RefusesWhatTheBusDoesNotCarryAndNamesWhatItDoes) {
   EXPECT_NE(why.find("loaded to 169.6 %, above 90 %"), std::string::npos) << why;
   EXPECT_NE(why.find("the highest rate that fits is 526.3 Hz"), std::string::npos) << why;
   EXPECT_NE(why.find("needs 2 buses"), std::string::npos) << why;
+}
+
+TEST(Start, WantsAsManyBusesAsTheRobotHas) {
+  const Flags flags = parse({"--config", kRobotFile, "--listen", "127.0.0.1:0", "--state", "/proc/none",
+                             "--can", "can0", "--can", "can1"});
+  try {
+    Program program(flags);
+    FAIL() << "took a bus that no drive is on";
+  } catch (const FlagError& e) {
+    EXPECT_NE(std::string(e.what()).find("--can is given 2 times"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("are on 1 bus"), std::string::npos) << e.what();
+  }
 }
 
 TEST(SocketCan, ReportsAMissingInterfaceAndNeverFallsBack) {

@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <utility>
 
+#include "arm_controller/several_buses.hpp"
+
 namespace armsight::sim {
 
 /// The controller's end of a bus.
 class ClosedLoop::End final : public arm::CanBus {
  public:
-  End(ClosedLoop& loop, BusModel& bus) : loop_(loop), bus_(bus) {
-    port_ = bus.add_port([this](const CanFrame& frame, Time end, bool is_own_echo) {
-      inbox_.push_back({frame, end, is_own_echo});
-      if (loop_.on_frame_) loop_.on_frame_(frame, end);
+  End(ClosedLoop& loop, std::size_t number) : loop_(loop), number_(number), bus_(loop.buses_[number]) {
+    port_ = bus_.add_port([this](const CanFrame& frame, Time end, bool is_own_echo) {
+      if (!loop_.is_cut_[number_]) inbox_.push_back({frame, end, is_own_echo});
+      if (loop_.on_frame_) loop_.on_frame_(number_, frame, end);
     });
   }
   arm::SendResult send(const CanFrame& frame) noexcept override {
+    if (loop_.is_cut_[number_]) return arm::SendResult::kBusDown;
+    if (loop_.is_full_[number_]) return arm::SendResult::kQueueFull;
     return bus_.send(port_, frame, loop_.now_) ? arm::SendResult::kSent : arm::SendResult::kQueueFull;
   }
   bool receive(arm::BusFrame& frame) noexcept override {
@@ -23,11 +27,16 @@ class ClosedLoop::End final : public arm::CanBus {
     inbox_.pop_front();
     return true;
   }
-  arm::BusErrors take_errors() noexcept override { return {}; }
+  arm::BusErrors take_errors() noexcept override {
+    arm::BusErrors errors;
+    errors.lost = loop_.is_cut_[number_];
+    return errors;
+  }
   const std::string& name() const override { return name_; }
 
  private:
   ClosedLoop& loop_;
+  std::size_t number_;
   BusModel& bus_;
   int port_;
   std::deque<arm::BusFrame> inbox_;
@@ -35,32 +44,40 @@ class ClosedLoop::End final : public arm::CanBus {
 };
 
 ClosedLoop::ClosedLoop(const RobotConfig& config)
-    : robot(config), bus_(config.controller.bus_bitrate_bit_s) {
+    : robot(config) {
+  for (int i = 0; i < robot.bus_count(); ++i) buses_.emplace_back(robot.controller.bus_bitrate_bit_s);
+  for (const DriveConfig& drive : robot.drives) bus_of_node_.push_back(drive.bus);
+  bus_of_node_.push_back(robot.hand.bus);
   const Scene scene = load_scene(ARMSIGHT_SOURCE_DIR "/tools/sim/scene.yaml");
   const auto send = [this](std::size_t node, const CanFrame& frame, Time now) {
-    bus_.send(node_ports_[node], frame, now);
+    buses_[bus_of_node_[node]].send(node_ports_[node], frame, now);
   };
   const Truth truth = make_truth(robot, scene, NoiseSet::kClean, CameraMount::kNear, 1);
   world_ = std::make_unique<World>(robot, scene, truth, now_, send);
   for (std::size_t i = 0; i < world_->node_count(); ++i)
-    node_ports_.push_back(bus_.add_port([this, i](const CanFrame& frame, Time end, bool is_own_echo) {
-      if (is_own_echo) return;
+    node_ports_.push_back(buses_[bus_of_node_[i]].add_port([this, i](const CanFrame& frame, Time end, bool is_own) {
+      if (is_own) return;
       world_->advance_to(end);
       world_->on_frame(i, frame, end);
     }, BusModel::Order::kByPriority));
-  end_ = std::make_unique<End>(*this, bus_);
+  std::vector<std::unique_ptr<arm::CanBus>> ends;
+  for (std::size_t i = 0; i < buses_.size(); ++i) ends.push_back(std::make_unique<End>(*this, i));
+  ends_ = arm::join_buses(std::move(ends));
   const JointVector zero = JointVector::Zero(robot.arm.joint_count());
   const arm::StartModel start{{0, robot.camera_hint_T_C_B, zero}, std::nullopt, arm::ModelSource::kNominal};
-  loop_ = std::make_unique<arm::ControlLoop>(robot, start, *end_, mailboxes_, tape_, statistics_);
+  loop_ = std::make_unique<arm::ControlLoop>(robot, start, *ends_, mailboxes_, tape_, statistics_);
   world_->power_on(now_);
 }
 
 void ClosedLoop::simulate_until(Time until) {
   while (true) {
-    const Time timer = world_->next_time(), frame = bus_.next_event();
+    const Time timer = world_->next_time();
+    Time frame = kNever;
+    for (BusModel& bus : buses_) frame = std::min(frame, bus.next_event());
     if (std::min(timer, frame) >= until) break;
     if (timer <= frame) world_->advance_to(timer);
-    else bus_.run_until(frame + Duration{1});
+    else
+      for (BusModel& bus : buses_) bus.run_until(frame + Duration{1});
   }
   world_->advance_to(until);
 }

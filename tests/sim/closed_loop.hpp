@@ -2,6 +2,7 @@
 // that depends on the machine.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -15,10 +16,10 @@ namespace armsight::sim {
 
 class ClosedLoop {
  public:
-  using OnFrame = std::function<void(const CanFrame& frame, Time end)>;
+  using OnFrame = std::function<void(std::size_t bus, const CanFrame& frame, Time end)>;
   explicit ClosedLoop(const RobotConfig& robot);
 
-  /// Sees every frame of the bus at its end.
+  /// Sees every frame of every bus at its end.
   void watch(OnFrame on_frame) { on_frame_ = std::move(on_frame); }
   void cycle();
   void cycles(int n) {
@@ -27,12 +28,17 @@ class ClosedLoop {
   bool cycle_until(const std::function<bool()>& is_true, int at_most);
   bool power_up();
   void move_to(const JointVector& q_real);
+  /// The controller's interface to that bus is pulled: nothing comes, nothing goes, and it is told so.
+  void cut(std::size_t bus) { is_cut_[bus] = true; }
 
   RobotConfig robot;
   arm::ArmSnapshot state;
   std::vector<arm::Event> events;
 
+  /// Nothing finds room there any more.
+  void fill(std::size_t bus) { is_full_[bus] = true; }
   World& world() { return *world_; }
+  const arm::ControlLoop& loop() const { return *loop_; }
 
  private:
   class End;
@@ -40,10 +46,12 @@ class ClosedLoop {
 
   OnFrame on_frame_;
   Time now_ = time_from_ns(1'000'000'000);
-  BusModel bus_;
+  std::deque<BusModel> buses_;
+  std::array<bool, kMaxBuses> is_cut_{}, is_full_{};
+  std::vector<std::size_t> bus_of_node_;
   std::vector<int> node_ports_;
   std::unique_ptr<World> world_;
-  std::unique_ptr<arm::CanBus> end_;
+  std::unique_ptr<arm::CanBus> ends_;
   arm::Mailboxes mailboxes_;
   arm::Tape tape_;
   arm::LoopStatistics statistics_;

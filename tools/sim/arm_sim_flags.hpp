@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/sim/noise.hpp"
 #include "tools/sim/truth.hpp"
@@ -11,7 +12,7 @@ namespace armsight::sim {
 
 struct ArmSimFlags {
   std::string robot_file, scene_file, clock_path, camera_address, log_file;
-  std::string emulated_bus_path, can_interface;
+  std::vector<std::string> emulated_bus_paths, can_interfaces;  ///< one of the two, one entry a bus
   std::uint64_t seed = 1;
   NoiseSet noise = NoiseSet::kNominal;
   CameraMount mount = CameraMount::kNear;

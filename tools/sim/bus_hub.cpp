@@ -60,6 +60,7 @@ struct BusHub::Impl {
   BusModel& bus;
   ServerClock& clock;
   ToOwnClock to_own;
+  net::ChannelKind channel;
   int listener;
   std::vector<std::unique_ptr<Client>> clients;
   std::uint64_t dropped = 0;
@@ -75,8 +76,8 @@ struct BusHub::Impl {
   void forget_closed();
 };
 
-BusHub::BusHub(const std::string& path, BusModel& bus, ServerClock& clock, ToOwnClock to_own)
-    : impl_(new Impl{path, bus, clock, std::move(to_own), listen_at(path), {}, 0}) {}
+BusHub::BusHub(const std::string& path, BusModel& bus, ServerClock& clock, ToOwnClock to_own, int number)
+    : impl_(new Impl{path, bus, clock, std::move(to_own), net::bus_channel(number), listen_at(path), {}, 0}) {}
 
 BusHub::~BusHub() {
   for (auto& client : impl_->clients) impl_->close(*client);
@@ -116,7 +117,7 @@ void BusHub::Impl::deliver(Client& client, const CanFrame& frame, Time end, std:
     client.is_broken = n < 0 && (errno == EPIPE || errno == ECONNRESET);
     return;
   }
-  if (client.participant != 0) clock.count_sent_at({net::ChannelKind::kBus, client.participant}, end);
+  if (client.participant != 0) clock.count_sent_at({channel, client.participant}, end);
 }
 
 /// An observer in lockstep has no account, so its frames could act at no certain time: it may only listen.
@@ -187,7 +188,7 @@ void BusHub::receive() {
     if (client->is_open && client->is_joined && !has_account) hub.take_available(*client);
   }
   if (is_lockstep) {
-    const auto due = hub.clock.due_channels(net::ChannelKind::kBus);
+    const auto due = hub.clock.due_channels(hub.channel);
     const std::vector<net::ChannelKey> channels(due.begin(), due.end());
     for (const net::ChannelKey channel : channels) hub.take_due(channel);
   }

@@ -15,7 +15,8 @@ namespace armsight::sim {
 
 class BusHub {
  public:
-  BusHub(const std::string& path, BusModel& bus, ServerClock& clock, ToOwnClock to_own);
+  /// number: of this bus among the robot's.
+  BusHub(const std::string& path, BusModel& bus, ServerClock& clock, ToOwnClock to_own, int number = 0);
   ~BusHub();
 
   /// Lockstep: takes what is due. Real pace: takes what has come. New programs are let in first.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <deque>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -35,10 +36,11 @@ struct Simulation::Impl {
 
   SimulationOptions options;
   SimClockServer server;
-  BusModel bus;
+  std::deque<BusModel> buses;              ///< emulated: one for each of the robot's
   World world;
-  std::unique_ptr<BusHub> hub;             ///< emulated bus
-  std::unique_ptr<arm::CanBus> interface;  ///< or a real one
+  std::vector<std::unique_ptr<BusHub>> hubs;
+  std::vector<std::unique_ptr<arm::CanBus>> interfaces;  ///< or real ones
+  std::vector<std::size_t> bus_of_node;
   std::vector<int> node_ports;
   std::unique_ptr<BusLog> log;
   bool is_lost = false;
@@ -51,10 +53,12 @@ struct Simulation::Impl {
   Time start() const { return options.is_lockstep ? time_from_ns(kFirstTime_ns) : time_from_ns(net::monotonic_ns()); }
   void attach_nodes();
   void open_log();
-  void note(const CanFrame& frame, Time time);
+  void open_buses();
+  Time next_frame();
+  void note(const CanFrame& frame, Time time, std::size_t bus);
   void send_from_node(std::size_t node, const CanFrame& frame, Time now);
   void simulate_until(Time until);
-  void receive_from_interface();
+  void receive_from_interfaces();
   std::string finish(const std::string& file);
   WorldAt world_at() const;
   bool run_lockstep(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping);
@@ -69,32 +73,47 @@ Simulation::Impl::Impl(const SimulationOptions& o)
       server({o.clock_path, o.is_lockstep, seconds_to_duration(o.robot.controller.period_s), o.seed},
              {[this] { return world.inject_drift(server.clock().now()), std::string(); },
               [this](const std::string& file) { return finish(file); }}),
-      bus(o.robot.controller.bus_bitrate_bit_s),
       world(o.robot, o.scene, make_truth(o.robot, o.scene, o.noise, o.mount, o.seed), start(),
             [this](std::size_t node, const CanFrame& frame, Time now) { send_from_node(node, frame, now); }) {
-  const ToOwnClock to_own = [this](std::uint32_t id, std::int64_t ns) { return server.to_own_ns(id, ns); };
-  if (!o.can_interface.empty())
-    interface = arm::open_socket_can(o.can_interface, server.clock(), arm::CanHears::kEverything);
-  else hub = std::make_unique<BusHub>(o.emulated_bus_path, bus, server.clock(), to_own);
+  open_buses();
   open_log();
   attach_nodes();
   world.power_on(start());
 }
 
+void Simulation::Impl::open_buses() {
+  const SimulationOptions& o = options;
+  const auto given = static_cast<int>(o.can_interfaces.size() + o.emulated_bus_paths.size());
+  if (given != o.robot.bus_count())
+    throw ConfigError("buses given: " + std::to_string(given) + ", the robot file has drives on " +
+                      std::to_string(o.robot.bus_count()));
+  const ToOwnClock to_own = [this](std::uint32_t id, std::int64_t ns) { return server.to_own_ns(id, ns); };
+  for (const std::string& name : o.can_interfaces)
+    interfaces.push_back(arm::open_socket_can(name, server.clock(), arm::CanHears::kEverything));
+  for (const std::string& path : o.emulated_bus_paths) {
+    BusModel& bus = buses.emplace_back(o.robot.controller.bus_bitrate_bit_s);
+    hubs.push_back(std::make_unique<BusHub>(path, bus, server.clock(), to_own, static_cast<int>(hubs.size())));
+  }
+}
+
 void Simulation::Impl::open_log() {
   if (options.log_file.empty()) return;
   log = std::make_unique<BusLog>(options.log_file);
-  if (!interface)
-    bus.add_port([this](const CanFrame& frame, Time end, bool) { note(frame, end); });
+  for (std::size_t i = 0; i < buses.size(); ++i)
+    buses[i].add_port([this, i](const CanFrame& frame, Time end, bool) { note(frame, end, i); });
 }
 
-void Simulation::Impl::note(const CanFrame& frame, Time time) {
-  if (log) log->add({time, interface ? options.can_interface : "emulated", frame, false});
+void Simulation::Impl::note(const CanFrame& frame, Time time, std::size_t bus) {
+  if (!log) return;
+  const std::string emulated = bus == 0 ? "emulated" : "emulated" + std::to_string(bus);
+  log->add({time, interfaces.empty() ? emulated : options.can_interfaces[bus], frame, false});
 }
 
 void Simulation::Impl::attach_nodes() {
-  for (std::size_t i = 0; !interface && i < world.node_count(); ++i)
-    node_ports.push_back(bus.add_port([this, i](const CanFrame& frame, Time end, bool is_own_echo) {
+  for (const DriveConfig& drive : options.robot.drives) bus_of_node.push_back(drive.bus);
+  bus_of_node.push_back(options.robot.hand.bus);
+  for (std::size_t i = 0; interfaces.empty() && i < world.node_count(); ++i)
+    node_ports.push_back(buses[bus_of_node[i]].add_port([this, i](const CanFrame& frame, Time end, bool is_own_echo) {
       if (is_own_echo) return;
       world.advance_to(end);
       world.on_frame(i, frame, end);
@@ -102,21 +121,29 @@ void Simulation::Impl::attach_nodes() {
 }
 
 void Simulation::Impl::send_from_node(std::size_t node, const CanFrame& frame, Time now) {
-  if (!interface) {
-    bus.send(node_ports[node], frame, now);  // a full queue drops the frame, as in a drive's mailbox
+  if (interfaces.empty()) {
+    // A full queue drops the frame, as in a drive's mailbox.
+    buses[bus_of_node[node]].send(node_ports[node], frame, now);
     return;
   }
-  interface->send(frame);  // noted when it comes back as our own
+  interfaces[bus_of_node[node]]->send(frame);  // noted when it comes back as our own
+}
+
+Time Simulation::Impl::next_frame() {
+  Time next = kNever;
+  for (BusModel& bus : buses) next = std::min(next, bus.next_event());
+  return next;
 }
 
 /// Events in order of time: the end of a frame, or a node's timer.
 void Simulation::Impl::simulate_until(Time until) {
   while (true) {
     const Time timer = world.next_time();
-    const Time frame = bus.next_event();
+    const Time frame = next_frame();
     if (std::min(timer, frame) >= until) break;
     if (timer <= frame) world.advance_to(timer);
-    else bus.run_until(frame + kInstant);
+    else
+      for (BusModel& bus : buses) bus.run_until(frame + kInstant);
   }
   world.advance_to(until);
 }
@@ -141,7 +168,7 @@ bool Simulation::Impl::run_lockstep(const AdvanceCamera& advance_camera, const s
   const Duration period = this->period();
   while (server.run_participants(is_stopping)) {
     const Time end = server.clock().now() + period;
-    hub->receive();
+    for (auto& hub : hubs) hub->receive();
     simulate_until(end);
     server.clock().set_now(end - kInstant);  // frames sent now arrive within this cycle
     advance_camera(to_ns(end), at);
@@ -150,26 +177,28 @@ bool Simulation::Impl::run_lockstep(const AdvanceCamera& advance_camera, const s
   return server.is_finished();
 }
 
-void Simulation::Impl::receive_from_interface() {
+void Simulation::Impl::receive_from_interfaces() {
   const Time now = server.clock().now();
   arm::BusFrame received;
-  while (interface->receive(received)) {
-    note(received.frame, received.time);
-    for (std::size_t i = 0; !received.is_own_echo && i < world.node_count(); ++i)
-      world.on_frame(i, received.frame, now);
+  for (std::size_t bus = 0; bus < interfaces.size(); ++bus) {
+    while (interfaces[bus]->receive(received)) {
+      note(received.frame, received.time, bus);
+      for (std::size_t i = 0; !received.is_own_echo && i < world.node_count(); ++i)
+        if (bus_of_node[i] == bus) world.on_frame(i, received.frame, now);
+    }
+    is_lost = is_lost || interfaces[bus]->take_errors().lost;
   }
-  is_lost = interface->take_errors().lost;
 }
 
 void Simulation::Impl::wait_real() {
   std::vector<int> descriptors = server.descriptors();
-  if (hub) {
+  for (const auto& hub : hubs) {
     const std::vector<int> of_bus = hub->descriptors();
     descriptors.insert(descriptors.end(), of_bus.begin(), of_bus.end());
   }
   const Time now = server.clock().now();
-  if (interface) descriptors.push_back(interface->descriptor());
-  const Time wake = std::min({now + real_step(), bus.next_event(), world.next_time()});
+  for (const auto& interface : interfaces) descriptors.push_back(interface->descriptor());
+  const Time wake = std::min({now + real_step(), next_frame(), world.next_time()});
   net::wait_and_flow(descriptors, std::max(Duration::zero(), wake - now), nullptr);
 }
 
@@ -196,8 +225,8 @@ bool Simulation::Impl::run_real(const std::function<bool()>& is_stopping) {
     const Time now = server.clock().now();
     excuse_stall(std::exchange(last, now), now);
     simulate_until(now);
-    if (hub) hub->receive();
-    else receive_from_interface();
+    for (auto& hub : hubs) hub->receive();
+    receive_from_interfaces();
     wait_real();
   }
   return server.is_finished();
@@ -214,7 +243,11 @@ ToOwnClock Simulation::to_own_clock() const {
 }
 
 std::string Simulation::bus_name() const {
-  return impl_->interface ? impl_->interface->name() : "emulated:" + impl_->options.emulated_bus_path;
+  std::string text;
+  for (const auto& interface : impl_->interfaces) text += (text.empty() ? "" : " + ") + interface->name();
+  for (const std::string& path : impl_->options.emulated_bus_paths)
+    text += (text.empty() ? "" : " + ") + std::string("emulated:") + path;
+  return text;
 }
 
 Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::function<bool()>& is_stopping) {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "arm_controller/can_bus.hpp"
 #include "tools/sim/truth.hpp"
@@ -25,9 +26,9 @@ struct SimulationOptions {
   std::uint64_t seed = 1;
   bool is_lockstep = true;
   std::string clock_path;
-  std::string emulated_bus_path;      ///< or
-  std::string can_interface;          ///< a real interface; implies real pace
-  std::filesystem::path log_file;     ///< candump -L text of the bus; empty: none
+  std::vector<std::string> emulated_bus_paths;  ///< one for each bus of the robot; or
+  std::vector<std::string> can_interfaces;      ///< real interfaces; they imply real pace
+  std::filesystem::path log_file;     ///< candump -L text of the buses; empty: none
 };
 
 class Simulation {
