@@ -50,7 +50,9 @@ void save_model_in_force(const std::filesystem::path& folder, const RobotConfig&
   file.model = model.model;
   file.covariance = model.P;
   file.source = model.source == ModelSource::kFilter ? "filter" : "calibration";
-  write_file_atomically(model_path(folder), to_text(file));
+  // A filter's revision waits for no disk: who saw it lost the link when the machine went down with it.
+  const bool is_filters = model.source == ModelSource::kFilter;
+  write_file_atomically(model_path(folder), to_text(file), is_filters ? Durability::kUnsynced : Durability::kSynced);
 }
 
 std::filesystem::path new_recording_file(const std::filesystem::path& folder) {
