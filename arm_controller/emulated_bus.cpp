@@ -100,7 +100,11 @@ class EmulatedBus : public CanBus {
   }
 
   bool is_notice(const BusPacket& packet) noexcept {
-    if (packet.flags & kFlagErrorFrame) ++errors_.error_frames;
+    if (packet.flags & kFlagErrorFrame) {
+      ++errors_.error_frames;
+      if (packet.frame.data[0] == kErrorPassiveState) errors_.error_passive = true;
+      if (packet.frame.data[0] == kBusOffState) errors_.bus_off = true;
+    }
     if (packet.flags & kFlagDropped) ++errors_.send_failures;
     return (packet.flags & (kFlagErrorFrame | kFlagDropped)) != 0;
   }

@@ -1,5 +1,6 @@
 // One CAN frame on the emulated bus' socket (AF_UNIX, SOCK_SEQPACKET): i64 time_ns, u32 id, u8 size, u8 flags, u16 0,
-// 8 data bytes, little-endian. A joiner's first packet: "ASCB", u32 simulated participant, 16 zero bytes.
+// 8 data bytes, little-endian. An error frame's first data byte is the state that its receiver is in now: 0 error active,
+// 1 error passive, 2 bus-off. A joiner's first packet: "ASCB", u32 simulated participant, 16 zero bytes.
 #pragma once
 
 #include <array>
@@ -17,6 +18,7 @@ inline constexpr std::size_t kBusPacketSize = 24;
 using BusPacketBytes = std::array<char, kBusPacketSize>;
 
 inline constexpr std::uint8_t kFlagOwnEcho = 1, kFlagErrorFrame = 2, kFlagDropped = 4;
+inline constexpr std::uint8_t kErrorPassiveState = 1, kBusOffState = 2;
 inline constexpr char kBusMagic[4] = {'A', 'S', 'C', 'B'};
 
 struct BusPacket {

@@ -127,9 +127,17 @@ void BusHub::Impl::take_join(Client& client, std::span<const char> bytes) {
   client.participant = *participant;
   client.is_joined = true;
   Client* stable = &client;
-  client.port = bus.add_port([this, stable](const CanFrame& frame, Time end, bool is_own_echo) {
-    deliver(*stable, frame, end, is_own_echo ? arm::kFlagOwnEcho : std::uint8_t{0});
-  });
+  client.port = bus.add_port(
+      [this, stable](const CanFrame& frame, Time end, bool is_own_echo) {
+        deliver(*stable, frame, end, is_own_echo ? arm::kFlagOwnEcho : std::uint8_t{0});
+      },
+      BusModel::Order::kAsQueued,
+      [this, stable](PortState state, Time time) {
+        CanFrame notice;
+        notice.size = 1;
+        notice.data[0] = static_cast<std::uint8_t>(state);
+        deliver(*stable, notice, time, arm::kFlagErrorFrame);
+      });
 }
 
 void BusHub::Impl::take_frame(Client& client, std::span<const char> bytes) {

@@ -78,21 +78,40 @@ Duration CanopenDevice::milliseconds(std::uint16_t index, std::uint8_t sub) cons
   return std::chrono::milliseconds(objects_.get(index, sub) & 0xFFFF);
 }
 
-void CanopenDevice::power_on(Time now) { restart(now); }
+void CanopenDevice::power_on(Time now) {
+  is_on_ = true;
+  restart(now);
+}
 
-void CanopenDevice::restart(Time now) {
+void CanopenDevice::power_off(Time now) {
+  forget_all(now);
+  next_heartbeat_ = kNever;
+  is_on_ = false;
+}
+
+bool CanopenDevice::is_missing(ObjectAddress object) const {
+  const auto bend = bends_.find({object.index, object.sub});
+  return bend != bends_.end() && !bend->second;
+}
+
+void CanopenDevice::forget_all(Time now) {
   add_communication_objects();
   reset(now);
   heartbeat_deadline_ = rpdo_deadline_ = kNever;
   pending_rpdo_.reset();
   transfer_.reset();
   state_ = NmtState::kBootUp;
+}
+
+void CanopenDevice::restart(Time now) {
+  forget_all(now);
   send_(encode(Heartbeat{NmtState::kBootUp}, node_), now);
   state_ = NmtState::kPreOperational;
   next_heartbeat_ = now + milliseconds(0x1017, 0);
 }
 
 void CanopenDevice::on_frame(const CanFrame& frame, Time now) {
+  if (!is_on_) return;
   if (const auto nmt = decode_nmt(frame)) return on_nmt(*nmt, now);
   if (frame.id >= kHeartbeatBase) return on_heartbeat(frame, now);
   if (state_ == NmtState::kStopped) return;
@@ -207,6 +226,8 @@ void CanopenDevice::on_time(Time now) {
 }
 
 std::uint32_t CanopenDevice::value_of(ObjectAddress object) {
+  const auto bend = bends_.find({object.index, object.sub});
+  if (bend != bends_.end() && bend->second) return *bend->second;
   const auto live = live_value(object);
   return live ? *live : objects_.get(object.index, object.sub);
 }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -26,12 +27,20 @@ class CanopenDevice {
   CanopenDevice& operator=(const CanopenDevice&) = delete;
 
   void power_on(Time now);
+  /// Says nothing and hears nothing until it is powered on again.
+  void power_off(Time now);
   void on_frame(const CanFrame& frame, Time now);
   /// Timers; to be called at next_time() or later.
   void on_time(Time now);
   Time next_time() const;
   /// Nothing could be heard for so long because the simulator itself did not run: that is no silence of others.
   void excuse(Duration stall);
+  /// A fault: the object reads so from now on, whatever is written; nullopt: it does not exist. Survives a restart.
+  void bend(ObjectAddress object, std::optional<std::uint32_t> value) {
+    bends_[{object.index, object.sub}] = value;
+  }
+  /// A fault: an emergency message that nothing has caused.
+  void cry(std::uint16_t code, Time now) { send_emergency(code, 0x81, now); }
 
   std::uint8_t node() const { return node_; }
   NmtState nmt_state() const { return state_; }
@@ -59,6 +68,8 @@ class CanopenDevice {
   void add_communication_objects();
   void on_nmt(const Nmt& command, Time now);
   void restart(Time now);
+  void forget_all(Time now);
+  bool is_missing(ObjectAddress object) const;
   void set_state(NmtState state, Time now);
   void on_sync_frame(Time now);
   void on_heartbeat(const CanFrame& frame, Time now);
@@ -84,6 +95,8 @@ class CanopenDevice {
 
   std::uint8_t node_;
   SendFrame send_;
+  bool is_on_ = true;
+  std::map<std::pair<std::uint16_t, std::uint8_t>, std::optional<std::uint32_t>> bends_;  ///< index, sub
   NmtState state_ = NmtState::kBootUp;
   std::optional<CanFrame> pending_rpdo_;
   struct Transfer {

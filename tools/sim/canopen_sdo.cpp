@@ -82,6 +82,7 @@ void CanopenDevice::on_segment_request(const SdoSegmentRequest& request, Time no
 }
 
 void CanopenDevice::on_read(ObjectAddress object, Time now) {
+  if (is_missing(object)) return answer_abort(object, kNoSuchObject, now);
   if (const TextObject* text = objects_.find_text(object)) {
     transfer_ = Transfer{false, object, text->text, 0, false};
     return send_(encode_answer(SdoSegmentedStart{object, static_cast<std::uint32_t>(text->text.size())}, node_), now);
@@ -92,6 +93,7 @@ void CanopenDevice::on_read(ObjectAddress object, Time now) {
 }
 
 void CanopenDevice::on_write(const SdoWrite& write, Time now) {
+  if (is_missing(write.object)) return answer_abort(write.object, kNoSuchObject, now);
   std::uint32_t code = objects_.forbids_write(write.object, write.size);
   if (code == 0) code = judge_communication(write);
   if (code == 0) code = judge(write.object, write.value);

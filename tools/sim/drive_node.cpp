@@ -173,7 +173,9 @@ void DriveNode::act(Time now) {
   if (!asks_to_follow) must_release_ = false;
   const bool is_ignored = must_release_ && state_ == DriveState::kQuickStopActive;
   const DriveState before = state_;
-  if (!is_ignored) state_ = next_drive_state(state_, cw, objects_.get(0x605A), is_edge);
+  DriveState next = is_ignored ? state_ : next_drive_state(state_, cw, objects_.get(0x605A), is_edge);
+  if (is_held_back_ && next == DriveState::kOperationEnabled) next = state_;
+  state_ = next;
   if (before == DriveState::kFault && state_ != before) {
     objects_.set({0x603F, 0}, 0);
     send_emergency(0x0000, 0, now);
@@ -235,6 +237,13 @@ void DriveNode::drive_motor() {
   const bool stands = state_ == DriveState::kQuickStopActive || state_ == DriveState::kOperationEnabled ||
                       state_ == DriveState::kSwitchedOn;
   motor_.command(follows ? MotorMode::kFollow : stands ? MotorMode::kStop : MotorMode::kOff, target_ - zero_, limit);
+}
+
+void DriveNode::force(DriveState state) {
+  state_ = state;
+  target_ = profile_target_ = position();
+  led_ = target_;
+  drive_motor();
 }
 
 void DriveNode::fault(std::uint16_t code, Time now) {

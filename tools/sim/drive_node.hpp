@@ -27,6 +27,12 @@ class DriveNode : public CanopenDevice {
   DriveNode(std::uint8_t node, SendFrame send, Motor& motor, OnSample on_sample = {});
 
   DriveState state() const { return state_; }
+  /// A fault of its own, with its emergency message.
+  void fail(std::uint16_t emergency, Time now) { fault(emergency, now); }
+  /// As if something else had brought it there.
+  void force(DriveState state);
+  /// Never gets to "operation enabled": its enable input stays open.
+  void hold_back(bool is_held) { is_held_back_ = is_held; }
 
  private:
   std::optional<std::uint32_t> live_value(ObjectAddress object) override;
@@ -50,6 +56,7 @@ class DriveNode : public CanopenDevice {
   OnSample on_sample_;
   DriveState state_ = DriveState::kSwitchOnDisabled;
   std::uint16_t last_controlword_ = 0;
+  bool is_held_back_ = false;
   bool must_release_ = false;  ///< stopped by itself: "enable operation" counts only after another command
   std::int32_t sampled_counts_ = 0;
   std::int32_t zero_ = 0;                ///< reported = motor + zero_; set by homing

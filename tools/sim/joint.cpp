@@ -29,6 +29,15 @@ double Joint::counts_to_rad(double counts) const {
   return truth_.drive.sign * 2.0 * std::numbers::pi * counts / truth_.drive.counts_per_turn + truth_.drive.zero_rad;
 }
 
+double Joint::seen_rad(double place) const {
+  return fault_.is_frozen ? frozen_rad_ : place - truth_.beta_rad - truth_.encoder_error.at(place) + fault_.offset_rad;
+}
+
+void Joint::set_encoder_fault(const EncoderFault& fault) {
+  frozen_rad_ = reading_rad();
+  fault_ = fault;
+}
+
 /// The drive closes its loop on its own encoder and settles beside the target by its residual.
 double Joint::wanted_speed() const {
   if (mode_ != MotorMode::kFollow) return 0.0;
@@ -55,7 +64,8 @@ void Joint::bend(double dt_s, double load_Nm) {
 }
 
 std::int32_t Joint::position_counts() {
-  const double reading = reading_rad() + truth_.jitter_rad * truth_.jitter.normal();
+  double reading = reading_rad() + truth_.jitter_rad * truth_.jitter.normal();
+  if (fault_.tremble_rad > 0.0) reading += fault_.tremble_rad * truth_.jitter.uniform(-1.0, 1.0);
   const double turns = truth_.drive.sign * (reading - truth_.drive.zero_rad) / (2.0 * std::numbers::pi);
   return static_cast<std::int32_t>(std::lround(turns * truth_.drive.counts_per_turn));
 }

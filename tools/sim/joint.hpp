@@ -20,6 +20,13 @@ struct JointTruth {
   Spring spring{};                      ///< k_Nm = 0: stiff
 };
 
+/// What is wrong with an encoder: readings off by so much, or no longer changing, or trembling (uniform, ±).
+struct EncoderFault {
+  double offset_rad = 0.0;
+  bool is_frozen = false;
+  double tremble_rad = 0.0;
+};
+
 class Joint : public Motor {
  public:
   /// The link stands at start_rad under load_Nm: what it needs to be held, gravity's share.
@@ -28,6 +35,8 @@ class Joint : public Motor {
   void step(double dt_s, double load_Nm = 0.0);
   /// The zero creeps there within a tenth of a second: offsets drift, they do not jump (a jump is an encoder fault).
   void set_beta(double beta_rad) { beta_goal_rad_ = beta_rad; }
+  /// The drive's own loop sees it, too.
+  void set_encoder_fault(const EncoderFault& fault);
   double q_rad() const { return motor_ + bend_; }
   double speed_rad_s() const { return speed_; }
 
@@ -38,13 +47,16 @@ class Joint : public Motor {
   std::uint32_t following_window_counts() const override;
 
  private:
-  double reading_rad() const { return q_rad() - truth_.beta_rad - truth_.encoder_error.at(q_rad()); }
-  double motor_reading_rad() const { return motor_ - truth_.beta_rad - truth_.encoder_error.at(motor_); }
+  double reading_rad() const { return seen_rad(q_rad()); }
+  double motor_reading_rad() const { return seen_rad(motor_); }
+  double seen_rad(double place) const;
   double counts_to_rad(double counts) const;
   double wanted_speed() const;
   void bend(double dt_s, double load_Nm);
 
   JointTruth truth_;
+  EncoderFault fault_;
+  double frozen_rad_ = 0.0;
   double beta_goal_rad_;
   double motor_, speed_ = 0.0;  ///< the drive's end; of a stiff joint the link itself
   double bend_ = 0.0;           ///< link − motor

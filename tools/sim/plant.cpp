@@ -139,6 +139,10 @@ void Plant::inject_drift() {
     plant.joints[i].set_beta(plant.truth.beta[static_cast<Eigen::Index>(i)]);
 }
 
+void Plant::set_encoder_fault(int joint, const EncoderFault& fault) {
+  impl_->joints[static_cast<std::size_t>(joint)].set_encoder_fault(fault);
+}
+
 Motor& Plant::joint_motor(int i) { return impl_->joints[static_cast<std::size_t>(i)]; }
 Motor& Plant::hand_motor() { return *impl_->fingers; }
 const JointVector& Plant::q_real() const { return impl_->q; }

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "tools/sim/joint.hpp"
 #include "tools/sim/motor.hpp"
 #include "tools/sim/truth.hpp"
 #include "tools/sim/world_view.hpp"
@@ -32,6 +33,7 @@ class Plant {
   void advance_to(Time time);
   void inject_drift();
 
+  void set_encoder_fault(int joint, const EncoderFault& fault);
   Motor& joint_motor(int i);
   Motor& hand_motor();
 

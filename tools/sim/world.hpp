@@ -37,6 +37,7 @@ class World {
 
   std::size_t node_count() const { return nodes_.size(); }
   const DriveNode& node(std::size_t i) const { return *nodes_[i]; }
+  DriveNode& node(std::size_t i) { return *nodes_[i]; }
   Plant& plant() { return plant_; }
   const Plant& plant() const { return plant_; }
   const RobotConfig& robot() const { return robot_; }
@@ -45,6 +46,8 @@ class World {
   std::optional<Time> drift_time() const { return drift_time_; }
   const std::deque<TraceRow>& trace() const { return trace_; }
   bool trace_is_cut() const { return trace_is_cut_; }
+  /// For runs longer than anybody's memory.
+  void forget_trace() { trace_.clear(); }
 
  private:
   void sample(std::size_t node, std::int32_t counts, Time time);
