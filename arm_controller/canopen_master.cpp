@@ -14,6 +14,8 @@ constexpr int kStateCycles = 10;
 constexpr double kAnswerShare = 0.6;           ///< of a period: the answers take 1.7 ms on the bus (controller.md §3.2)
 constexpr double kFastestJoint_rad_s = 10.0;   ///< above the actuator's 6 rad/s (specification §4.4)
 constexpr double kEncoderNoise_rad = 0.01;
+constexpr double kStepRemains_rad = 0.1;       ///< from the last position believed in, after a quick stop
+constexpr double kFrozen_rad = 0.03;           ///< a set-point's way without one count of its encoder's
 constexpr double kBeyondLimits_rad = 0.35;     ///< a whole turn off is always farther than this
 
 double turn(const DriveConfig& drive) { return drive.sign * 2.0 * std::numbers::pi / drive.counts_per_turn; }
@@ -171,6 +173,7 @@ void CanopenMaster::update_joints() noexcept {
   if (!samples_.is_fresh) return;
   samples_.q_rad = q;
   last_seen_ = q;
+  must_prove_positions_ = false;
   samples_.time = last_fresh_ = sampling_time();
   samples_.has_positions = true;
 }
@@ -184,6 +187,8 @@ bool CanopenMaster::positions_are_plausible(const JointVector& q) noexcept {
     const bool is_outside =
         q[i] < limits_.min_rad[i] - kBeyondLimits_rad || q[i] > limits_.max_rad[i] + kBeyondLimits_rad;
     if (!samples_.has_positions && is_outside) latch({FaultCode::kOutsideLimits, node(i).id()});
+    const double remains = must_prove_positions_ ? q[i] - last_seen_->coeff(i) : 0.0;
+    if (std::abs(remains) > kStepRemains_rad) latch({FaultCode::kEncoderStep, node(i).id(), 0, 0, 0, 0, -1, remains});
     if (samples_.has_positions && std::abs(q[i] - samples_.q_rad[i]) > farthest)
       latch({FaultCode::kEncoderStep, node(i).id(), 0, 0, 0, 0, -1, q[i] - samples_.q_rad[i]});
   }
@@ -197,12 +202,29 @@ void CanopenMaster::update_hand() noexcept {
   samples_.hand_effort_permille = std::abs(hand_node().torque_permille());
 }
 
+// What the nodes did while nobody could hear them is unknown: after a failure of the bus they begin anew. An encoder that
+// stepped must read again what it read before: a step that remains would be learnt as an offset.
 void CanopenMaster::recover(Time now) noexcept {
+  const FaultCode code = samples_.fault.code;
+  const bool was_bus = code == FaultCode::kBusLost || code == FaultCode::kBusOff || code == FaultCode::kSendFailed;
+  if (code == FaultCode::kEncoderStep) must_prove_positions_ = last_seen_.has_value();
   samples_.fault = {};
   samples_.has_positions = false;
   self_check_is_due_ = true;
   failed_cycles_ = 0;
-  for (int i = 0; i < node_count_; ++i) node_at(i).recover(now);
+  for (int i = 0; i < node_count_; ++i) {
+    if (was_bus) node_at(i).restart(now);
+    else node_at(i).recover(now);
+  }
+}
+
+// The drive's own loop would chase what its encoder hides, ever faster.
+void CanopenMaster::watch_encoder(int joint, double q_command_rad) noexcept {
+  FrozenWatch& watch = frozen_[static_cast<std::size_t>(joint)];
+  const std::int32_t counts = node(joint).position_counts();
+  if (!node(joint).is_following() || counts != watch.counts) watch = {counts, q_command_rad};
+  const double way = std::abs(q_command_rad - watch.q_command_rad);
+  if (way > kFrozen_rad) latch({FaultCode::kEncoderFrozen, node(joint).id(), 0, 0, 0, 0, -1, way});
 }
 
 std::int32_t CanopenMaster::target_counts(int joint, double q_rad) const noexcept {
@@ -234,10 +256,17 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
   failed_bus_.reset();
   if (command.recover) recover(now);
   power_ = command.power;
+  if (!has_begun_) {  // before the first SYNC: set-points that somebody left behind would act with it
+    has_begun_ = true;
+    return add_on_all(encode(Nmt{NmtCommand::kPreOperational, 0}), Kind::kOther);
+  }
+  if (power_ == PowerRequest::kQuickStop)  // all of them in this very cycle, whoever failed
+    for (int i = 0; i < node_count_; ++i) node_at(i).stop(now);
   sync_counter_ = static_cast<std::uint8_t>(sync_counter_ % 10 + 1);
   add_on_all(encode(Sync{sync_counter_}), Kind::kSync);
   for (int i = 0; i < joint_count_; ++i) {
     const double q = i < command.q_rad.size() ? command.q_rad[i] : samples_.q_rad[i];
+    watch_encoder(i, q);
     const double bend = i < command.bend_rad.size() ? command.bend_rad[i] : 0.0;
     const auto bend_counts = static_cast<std::int32_t>(std::lround(bend / turn(drives_[static_cast<std::size_t>(i)])));
     if (const auto frame = node_at(i).set_point(target_counts(i, q), bend_counts))

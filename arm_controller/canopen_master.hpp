@@ -77,6 +77,7 @@ class CanopenMaster {
   void latch(const Fault& fault) noexcept;
   void latch_on(FaultCode code, int bus) noexcept;
   void recover(Time now) noexcept;
+  void watch_encoder(int joint, double q_command_rad) noexcept;
   void prepare(const JointCommand& command, Time now) noexcept;
   void add(const CanFrame& frame, std::size_t bus, Kind kind) noexcept;
   void add_on_all(const CanFrame& frame, Kind kind) noexcept;
@@ -100,6 +101,13 @@ class CanopenMaster {
   std::optional<JointVector> last_seen_;
   std::array<WrapCheck, kMaxJoints> wraps_{};
   std::array<bool, kMaxJoints> was_homed_{};
+  struct FrozenWatch {
+    std::int32_t counts = 0;
+    double q_command_rad = 0.0;          ///< when the counts last changed
+  };
+  std::array<FrozenWatch, kMaxJoints> frozen_{};
+  bool must_prove_positions_ = false;    ///< after an encoder's step: against last_seen_
+  bool has_begun_ = false;
   bool self_check_is_due_ = true;
   PowerRequest power_ = PowerRequest::kOff;
   std::uint8_t sync_counter_ = 0;

@@ -77,6 +77,7 @@ std::string fault_text(const Fault& f) {
     case FaultCode::kWholeTurn:
       return node + ": stands " + moved(f) + " from where it was last seen, about a whole turn: the encoder lost its turns";
     case FaultCode::kHomingFailed: return node + ": homing did not end, " + status_text(f);
+    case FaultCode::kEncoderFrozen: return node + ": the encoder stands still while its set-point moved by " + moved(f);
     case FaultCode::kCycleOverrun: return "ten cycles late in a row";
     case FaultCode::kNotFinite: return "a computed set-point was not finite";
     case FaultCode::kModelNotSaved: return "the model in force could not be saved";

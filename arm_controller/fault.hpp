@@ -33,6 +33,7 @@ enum class FaultCode : std::uint16_t {
   kOutsideLimits = 207,
   kWholeTurn = 208,
   kHomingFailed = 209,
+  kEncoderFrozen = 210,
   // self
   kCycleOverrun = 301,
   kNotFinite = 302,

@@ -46,6 +46,8 @@ class Node {
   /// One asynchronous frame, after the RPDOs.
   std::optional<CanFrame> service_frame(Time now) noexcept;
 
+  /// Quick stop in this cycle already: another node has failed.
+  void stop(Time now) noexcept;
   void restart(Time now) noexcept;      ///< from the beginning
   void recover(Time now) noexcept;      ///< forgets the fault; resets the drive or configures it again
   /// Grip limit, ‰ of the rated torque (0x6072); sent when it changes.

@@ -1,4 +1,6 @@
 // Node, second half: the CiA 402 power state machine. Every state is waited for; every wait has an end and a name.
+#include <utility>
+
 #include "arm_controller/drive_commands.hpp"
 #include "arm_controller/node.hpp"
 
@@ -33,6 +35,12 @@ void Node::advance_power(Time now, PowerRequest power) noexcept {
   controlword_ = command_for(fault_.is_set() ? PowerRequest::kQuickStop : power, state, now - state_since_ > options_.state_timeout);
   if (controlword_ != before) state_since_ = now;  // the wait begins with the command
   if (power == PowerRequest::kOn && !fault_.is_set()) supervise_power(state, now - state_since_ > options_.state_timeout);
+}
+
+void Node::stop(Time now) noexcept {
+  if (phase_ != NodePhase::kReady || is_resetting_ || homing_ != HomingStep::kNone) return;
+  const std::uint16_t before = std::exchange(controlword_, power_command(PowerRequest::kQuickStop, drive_state_now()));
+  if (controlword_ != before) state_since_ = now;
 }
 
 void Node::supervise_power(DriveState state, bool state_is_old) noexcept {
