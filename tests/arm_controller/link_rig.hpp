@@ -58,6 +58,7 @@ class Peer {
   }
   bool is_open() const { return stream_->is_open(); }
   void hang_up() { stream_->close("test"); }
+  int descriptor() const { return stream_->descriptor(); }
 
   std::uint64_t sequence = 0, session = 0;
   std::int64_t clock_offset_ns = 777'000'000;
