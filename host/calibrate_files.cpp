@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/dataset.hpp"
-#include "host/session_files.hpp"
+#include "protocol/atomic_file.hpp"
 #include "protocol/model_file.hpp"
 #include "protocol/strict_yaml.hpp"
 
@@ -82,24 +82,22 @@ void LookFiles::add(const LookSample& sample) {
   }
   rows_ += "\n";
   if (!std::exchange(has_begun_, true)) return begin();
-  write_atomically(folder_ / kSamplesFile, rows_, Durability::kUnsynced);
+  write_file_atomically(folder_ / kSamplesFile, rows_, Durability::kUnsynced);
 }
 
 // The new set is whole before the last one gives up its name, and the last one stays beside it.
-void LookFiles::begin() const try {
+void LookFiles::begin() const {
   const fs::path made = folder_.string() + "-new", previous = folder_.string() + "-previous";
   fs::remove_all(made);
   fs::create_directories(made);
-  write_atomically(made / kRobotFile, robot_, Durability::kUnsynced);
-  write_atomically(made / kDatasetFile, dataset_, Durability::kUnsynced);
-  write_atomically(made / kSamplesFile, rows_, Durability::kUnsynced);
+  write_file_atomically(made / kRobotFile, robot_, Durability::kUnsynced);
+  write_file_atomically(made / kDatasetFile, dataset_, Durability::kUnsynced);
+  write_file_atomically(made / kSamplesFile, rows_, Durability::kUnsynced);
   if (fs::exists(folder_)) {
     fs::remove_all(previous);
     fs::rename(folder_, previous);
   }
   fs::rename(made, folder_);
-} catch (const fs::filesystem_error& error) {
-  throw ConfigError(error.what());
 }
 
 void save_calibration(const fs::path& file, const RobotConfig& robot, const LearnedModel& model,
@@ -114,7 +112,7 @@ void save_calibration(const fs::path& file, const RobotConfig& robot, const Lear
   out.report = {{"heldout_rms_mm", calibration.heldout.rms_mm}, {"heldout_rms_deg", calibration.heldout.rms_deg},
                 {"training_rms_mm", calibration.training.rms_mm}, {"training_rms_deg", calibration.training.rms_deg},
                 {"looks", static_cast<double>(calibration.looks.size())}};
-  write_atomically(file, to_text(out));
+  write_file_atomically(file, to_text(out));
 }
 
 }  // namespace armsight::host

@@ -15,7 +15,7 @@ class LookFiles {
  public:
   /// Touches nothing yet: the last run's looks stand until the first new one is on disk; then they are FOLDER-previous.
   LookFiles(const std::filesystem::path& folder, const RobotConfig& robot, const std::filesystem::path& robot_file);
-  /// Throws ConfigError where the folder cannot be written.
+  /// Throws std::runtime_error where the folder cannot be written.
   void add(const LookSample& sample);
 
  private:

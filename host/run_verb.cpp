@@ -15,6 +15,7 @@
 #include "host/small_verbs.hpp"
 #include "host/status.hpp"
 #include "host/urdf_import.hpp"
+#include "protocol/atomic_file.hpp"
 
 namespace armsight::host {
 namespace {
@@ -219,6 +220,16 @@ void print_marker(const CommandLine& line) {
   save_marker_print(marker, line.out);
 }
 
+// The whole verb is one file: one that cannot be written is a bad flag.
+void import_robot(const CommandLine& line) {
+  const std::string robot = import_urdf(line.urdf, line.base_link, line.tip_link);
+  try {
+    write_file_atomically(line.out, robot);
+  } catch (const std::runtime_error& error) {
+    throw ConfigError(error.what());
+  }
+}
+
 int fail(int code, const std::string& text) {
   std::cerr << "host: " << text << std::endl;
   return code;
@@ -233,7 +244,7 @@ int run(const CommandLine& line) try {
     return 0;
   }
   if (line.verb == Verb::kRobotImport) {
-    write_atomically(line.out, import_urdf(line.urdf, line.base_link, line.tip_link));
+    import_robot(line);
     return 0;
   }
   if (line.verb == Verb::kCalibrate && !line.dataset.empty()) {

@@ -23,12 +23,6 @@ void make_folder(const fs::path& folder) {
 
 }  // namespace
 
-void write_atomically(const fs::path& file, std::string_view content, Durability durability) try {
-  write_file_atomically(file, content, durability);
-} catch (const std::runtime_error& error) {
-  throw ConfigError(error.what());
-}
-
 SessionFiles::SessionFiles(const fs::path& state, const std::string& verb) : state_(state), verb_(verb) {
   make_folder(state_ / "images");
   try {  // a read-only folder shows now, not when the arm has moved
@@ -49,7 +43,7 @@ void SessionFiles::forget_last_run() {
 
 void SessionFiles::save_result(std::string_view json) {
   forget_last_run();
-  write_atomically(state_ / (verb_ + ".json"), json, Durability::kUnsynced);
+  write_file_atomically(state_ / (verb_ + ".json"), json, Durability::kUnsynced);
 }
 
 std::string SessionFiles::save_picture(const cv::Mat& picture) {
@@ -58,11 +52,7 @@ std::string SessionFiles::save_picture(const cv::Mat& picture) {
   char name[64];
   std::snprintf(name, sizeof name, "-%02zu.jpg", pictures_.size() + 1);
   const std::string relative = "images/" + verb_ + name;
-  try {
-    save_image(state_ / relative, picture);
-  } catch (const std::runtime_error& error) {
-    throw ConfigError(error.what());
-  }
+  save_image(state_ / relative, picture);
   pictures_.push_back(relative);
   return relative;
 }

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/atomic_file.hpp"
 
 namespace armsight::host {
 
@@ -20,7 +19,7 @@ class SessionFiles {
   SessionFiles(const std::filesystem::path& state, const std::string& verb);
 
   const std::filesystem::path& folder() const { return state_; }
-  /// STATE/VERB.json. Throws ConfigError where it cannot be written.
+  /// STATE/VERB.json. What cannot be written any more, the arm having moved, is no bad flag: std::runtime_error, exit 1.
   void save_result(std::string_view json);
   /// STATE/images/VERB-NN.jpg; answers the name relative to STATE, empty without a picture.
   std::string save_picture(const cv::Mat& picture);
@@ -34,9 +33,5 @@ class SessionFiles {
   bool has_forgotten_ = false;
   std::vector<std::string> pictures_;
 };
-
-/// protocol/atomic_file.hpp's writer; throws ConfigError.
-void write_atomically(const std::filesystem::path& file, std::string_view content,
-                      Durability durability = Durability::kSynced);
 
 }  // namespace armsight::host

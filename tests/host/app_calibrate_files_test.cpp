@@ -88,5 +88,18 @@ TEST_F(LookFilesTest, TheLastRunsLooksStayUntilTheFirstNewOneIsOnDisk) {
   EXPECT_EQ(load_dataset(looks_.string() + "-previous").rows, 3);
 }
 
+TEST_F(LookFilesTest, ALookThatCannotBeKeptIsAFailureNotABadFlag) {
+  std::ofstream(folder_ / "file") << "no folder\n";
+  LookFiles files(folder_ / "file/looks", robot_, ARMSIGHT_ROBOT_YAML);
+  const LookSample look = seen_looks(1).front();
+  try {
+    files.add(look);
+    FAIL() << "kept where nothing can be kept";
+  } catch (const ConfigError& error) {
+    FAIL() << "exit code 2 after the arm has moved: " << error.what();
+  } catch (const std::exception&) {
+  }
+}
+
 }  // namespace
 }  // namespace armsight::host
