@@ -68,7 +68,8 @@ StateMatrix Adapt::covariance() const {
   const int joints = io_.robot().arm.joint_count();
   StateMatrix P;
   const auto& told = io_.arm().model()->covariance();
-  if (taken_ == 0 || from_wire(told, "covariance", kErrorBeta + joints, P)) return wide_prior(io_.robot().filter, joints);
+  if (taken_ == 0 || from_wire(told, "covariance", kErrorBeta + joints, P))
+    return wide_prior(io_.robot().filter, joints);
   return P;
 }
 
@@ -110,7 +111,8 @@ void Adapt::open(bool keep_covariance) {
 
 void Adapt::fuse(const LookTaken& taken) {
   CommandOutcome outcome = send(taken);
-  const bool was_closed = outcome.reason == wire::REFUSAL_REASON_NO_LEASE || outcome.reason == wire::REFUSAL_REASON_WRONG_STATE;
+  const bool was_closed =
+      outcome.reason == wire::REFUSAL_REASON_NO_LEASE || outcome.reason == wire::REFUSAL_REASON_WRONG_STATE;
   if (!outcome.is_accepted && was_closed) {
     open(true);
     outcome = send(taken);
@@ -138,17 +140,19 @@ CommandOutcome Adapt::send(const LookTaken& taken) {
   if (!io_.wait_until(is_answered, kModelTimeout)) throw PeerLost("arm controller: no filter report within 20 s");
   if (!report) return *io_.arm().outcome(sequence);
   const auto has_model = [&] { return io_.arm().model()->revision() >= report->model_revision(); };
-  if (!io_.wait_until(has_model, kModelTimeout)) throw PeerLost("arm controller: the filter's model did not come within 20 s");
+  if (!io_.wait_until(has_model, kModelTimeout))
+    throw PeerLost("arm controller: the filter's model did not come within 20 s");
   note(*report, taken);
   return {true, {}, {}};
 }
 
 void Adapt::note(const wire::FilterReport& report, const LookTaken& taken) {
   ++taken_;
-  const bool is_fused = report.outcome() == wire::FUSION_OUTCOME_FUSED || report.outcome() == wire::FUSION_OUTCOME_FUSED_SECOND_SOLUTION;
+  const bool is_fused =
+      report.outcome() == wire::FUSION_OUTCOME_FUSED || report.outcome() == wire::FUSION_OUTCOME_FUSED_SECOND_SOLUTION;
   if (is_fused) ++fused;
-  const std::string image = files_.save_picture(
-      overlaid(taken, io_.camera().intrinsics(), {"adapt: look " + std::to_string(taken_) + ", " + to_text(report.outcome())}));
+  const std::string image = files_.save_picture(overlaid(
+      taken, io_.camera().intrinsics(), {"adapt: look " + std::to_string(taken_) + ", " + to_text(report.outcome())}));
   record.looks.push_back({report, model_in_force(io_), image});
   progress_ << "look " << taken_ << "/" << options_.looks << ": " << to_text(report.outcome()) << ", nis "
             << fixed(report.nis(), 1);
@@ -174,7 +178,8 @@ void run_adapt(HostIo& io, SessionFiles& files, const AdaptOptions& options, std
   files.save_result(to_json(adapt.record));
   if (adapt.has_too_few())
     throw CommandFailed("adapt: only " + std::to_string(adapt.fused) + " of " + std::to_string(options.looks) +
-                        " looks were fused in " + std::to_string(adapt.record.attempts) + " attempts; at least half must be");
+                        " looks were fused in " + std::to_string(adapt.record.attempts) +
+                        " attempts; at least half must be");
   progress << "model " << adapt.record.after.revision << " is in force" << std::endl;
 }
 

@@ -1,5 +1,5 @@
-// Adapt: a few looks at the hand, each fused by the controller's filter as it comes; the model it answers with plans the
-// next look. specification F-F6.
+// Adapt: a few looks at the hand, each fused by the controller's filter as it comes; the model it answers with plans
+// the next look. specification F-F6.
 #pragma once
 
 #include <iosfwd>

@@ -107,7 +107,8 @@ Refined refine(const ChainModel& model, const std::vector<Observation>& observat
                const BatchOptions& options, double width) {
   Refinement refinement(model, observations, used, options, width);
   const auto summary = refinement.solve(options.max_iterations);
-  return {refinement.result(), static_cast<int>(summary.iterations.size()), summary.termination_type == ceres::CONVERGENCE};
+  return {refinement.result(), static_cast<int>(summary.iterations.size()),
+          summary.termination_type == ceres::CONVERGENCE};
 }
 
 double jacobian_disagreement(const ChainModel& model, const std::vector<Observation>& observations,

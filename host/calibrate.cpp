@@ -81,7 +81,9 @@ void Learn::gather() {
 bool Learn::is_enough() const {
   if (static_cast<int>(samples_.size()) >= options_.looks) return true;
   if (options_.target_sigma_m <= 0.0 || static_cast<int>(samples_.size()) < kSolveFrom) return false;
-  const auto is_known = [&](const LookSample& s) { return guess_.hand_position_sigma_m(s.q_reading) < options_.target_sigma_m; };
+  const auto is_known = [&](const LookSample& s) {
+    return guess_.hand_position_sigma_m(s.q_reading) < options_.target_sigma_m;
+  };
   return std::all_of(samples_.begin(), samples_.end(), is_known);
 }
 
@@ -94,7 +96,8 @@ bool Learn::plan_nearby() {
   }
   const JointVector seen = samples_.back().q_reading + guess_.model().beta;
   const ArmModel& arm = io_.robot().arm;
-  const JointVector lower = arm.limits.min_rad.array() + kLearnMargin_rad, upper = arm.limits.max_rad.array() - kLearnMargin_rad;
+  const JointVector lower = arm.limits.min_rad.array() + kLearnMargin_rad,
+                    upper = arm.limits.max_rad.array() - kLearnMargin_rad;
   queue_ = {posture_near(seen, kNearby_rad, lower, upper, record.attempts)};
   return true;
 }
@@ -139,8 +142,10 @@ void Learn::visit(const JointVector& q_plan) {
 
 void Learn::take(const LookTaken& taken) {
   const LookMeasurement& look = *taken.look;
-  LookSample sample{taken.q_reading, look.T_C_H, look.second_T_C_H, look.covariance, to_ns(taken.arm_time.arm_time), {}};
-  sample.image = files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"learn: look " + std::to_string(samples_.size() + 1)}));
+  LookSample sample{
+      taken.q_reading, look.T_C_H, look.second_T_C_H, look.covariance, to_ns(taken.arm_time.arm_time), {}};
+  sample.image = files_.save_picture(
+      overlaid(taken, io_.camera().intrinsics(), {"learn: look " + std::to_string(samples_.size() + 1)}));
   io_.compute([&] { looks_.add(sample); });  // a disk may take longer than the lease lives
   record.looks.push_back({sample.q_reading, sample.arm_time_ns, look.reprojection_px, sample.image});
   samples_.push_back(std::move(sample));
@@ -191,8 +196,8 @@ void propose(HostIo& io, const ArmCalibration& calibration) {
 
 void tell(const ArmCalibration& c, std::ostream& progress) {
   progress << "held out: " << fixed(c.heldout.rms_mm, 2) << " mm, " << fixed(c.heldout.rms_deg, 2) << " deg; training "
-           << fixed(c.training.rms_mm, 2) << " mm, " << fixed(c.training.rms_deg, 2) << " deg; rank " << c.rank << " of "
-           << c.parameters << std::endl;
+           << fixed(c.training.rms_mm, 2) << " mm, " << fixed(c.training.rms_deg, 2) << " deg; rank " << c.rank
+           << " of " << c.parameters << std::endl;
   for (const std::string& sentence : c.unobservable) progress << "not observable: " << sentence << std::endl;
 }
 

@@ -1,6 +1,6 @@
 // What Learn leaves on disk: its looks as a data set (STATE/looks, for `host calibrate --dataset`), written as they are
-// made, and the calibration that came of them. The looks hold what the solver was given, to the last bit: the hand's pose,
-// its second solution and its covariance.
+// made, and the calibration that came of them. The looks hold what the solver was given, to the last bit: the hand's
+// pose, its second solution and its covariance.
 #pragma once
 
 #include <filesystem>

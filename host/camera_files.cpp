@@ -60,7 +60,8 @@ class FileCamera : public Camera {
 
 bool is_picture(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".pgm" ||
          extension == ".bmp" || extension == ".tif" || extension == ".tiff";
 }

@@ -5,8 +5,8 @@
 // Unknowns, each fixed, free or with a prior: T_C_a, every T_b_M, the joint offsets beta, one scale a target
 // (true size / stated size of the marker). Metres, radians, pixels.
 //
-// Tangent of the poses: T_C_a ← T_C_a [exp(S(w)), v; 0, 1] and T_b_M ← [exp(S(w)), v; 0, 1] T_b_M, so both errors live in
-// the frame of the chain's end: there the null directions are constant (specification §5.1, §5.3).
+// Tangent of the poses: T_C_a ← T_C_a [exp(S(w)), v; 0, 1] and T_b_M ← [exp(S(w)), v; 0, 1] T_b_M, so both errors live
+// in the frame of the chain's end: there the null directions are constant (specification §5.1, §5.3).
 #pragma once
 
 #include <optional>

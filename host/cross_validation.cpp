@@ -94,7 +94,8 @@ ErrorStatistics cross_validate(const ChainModel& model, const std::vector<Observ
   LookErrors errors;
   for (int k = 0; k < folds; ++k) {
     std::vector<Observation> training, heldout;
-    for (std::size_t i = 0; i < observations.size(); ++i) (fold[i] == k ? heldout : training).push_back(observations[i]);
+    for (std::size_t i = 0; i < observations.size(); ++i)
+      (fold[i] == k ? heldout : training).push_back(observations[i]);
     if (training.empty() || heldout.empty()) continue;
     const BatchSolution solution = learn(model, training, quick);
     for (const auto& z : heldout) errors.add(solution.model, z, options.noise);

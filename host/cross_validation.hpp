@@ -15,7 +15,7 @@ struct ErrorStatistics {
   double rms_mm = 0.0, median_mm = 0.0, p95_mm = 0.0, mean_mm = 0.0;
   double rms_deg = 0.0, median_deg = 0.0, p95_deg = 0.0;
   double rms_px = 0.0;        ///< corners only
-  double robust_norm = 0.0;   ///< rms of the whitened norms, each cut at 3 times their median: what models are compared by
+  double robust_norm = 0.0;   ///< rms of whitened norms, each cut at 3 times their median: compares models
 };
 
 /// Residuals of the observations at this model, every one of them, outliers included.

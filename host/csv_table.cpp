@@ -77,8 +77,8 @@ std::string CsvTable::place(std::size_t row) const {
 }
 
 void CsvTable::refuse(std::size_t row, std::size_t column, const std::string& rule) {
-  violations_.push_back(file_ + ":" + std::to_string(rows_[row].line) + ":" + std::to_string(rows_[row].at[column]) + ": " +
-                        header_[column] + " = " + text(row, column) + ": " + rule);
+  violations_.push_back(file_ + ":" + std::to_string(rows_[row].line) + ":" + std::to_string(rows_[row].at[column]) +
+                        ": " + header_[column] + " = " + text(row, column) + ": " + rule);
 }
 
 void CsvTable::refuse_header(const std::string& name, const std::string& rule) {

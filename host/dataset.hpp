@@ -1,5 +1,5 @@
-// A folder with recorded looks → the problem of host/chain_problem.hpp. The format is host/DATASET.md; everything is read
-// strictly, all violations told with file, line, column and rule.
+// A folder with recorded looks → the problem of host/chain_problem.hpp. The format is host/DATASET.md; everything is
+// read strictly, all violations told with file, line, column and rule.
 #pragma once
 
 #include <filesystem>
@@ -55,7 +55,8 @@ struct Dataset {
 /// Throws ConfigError.
 Dataset load_dataset(const std::filesystem::path& folder);
 
-/// dataset.yaml of looks made with an Armsight robot: chain "arm" of `robot_file` (a name inside the folder), hand poses.
+/// dataset.yaml of looks made with an Armsight robot: chain "arm" of `robot_file`, a name inside the folder,
+/// and hand poses.
 std::string dataset_yaml_for_robot(const RobotConfig& robot, const std::string& robot_file);
 
 }  // namespace armsight::host

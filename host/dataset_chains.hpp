@@ -1,5 +1,5 @@
-// The chains of a dataset.yaml: joints written inline (URDF's words or DH rows), a URDF, an Armsight robot file, or given
-// poses. The format is host/DATASET.md; mistakes are recorded with the value, none is thrown here.
+// The chains of a dataset.yaml: joints written inline (URDF's words or DH rows), a URDF, an Armsight robot file, or
+// given poses. The format is host/DATASET.md; mistakes are recorded with the value, none is thrown here.
 #pragma once
 
 #include <filesystem>

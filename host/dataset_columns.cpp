@@ -7,7 +7,7 @@
 namespace armsight::host {
 namespace {
 
-constexpr double kExactRotation = 1e-12;  // one as good is taken to the last bit, so that our own looks solve to the same
+constexpr double kExactRotation = 1e-12;  // one as good is taken to the last bit: our own looks solve to the same
 
 }  // namespace
 
@@ -71,7 +71,8 @@ Pose read_pose(CsvTable& table, std::size_t row, const PoseColumns& columns) {
   for (std::size_t k = 0; k < 7; ++k) v[k] = table.number(row, columns.quaternion_form[k]);
   const Eigen::Quaterniond quat(v[3], v[4], v[5], v[6]);
   T.p << v[0], v[1], v[2];
-  if (std::abs(quat.norm() - 1.0) > 1e-3) table.refuse(row, columns.quaternion_form[3], "quaternion must have norm 1 to 1e-3");
+  if (std::abs(quat.norm() - 1.0) > 1e-3)
+    table.refuse(row, columns.quaternion_form[3], "quaternion must have norm 1 to 1e-3");
   else T.R = quat.normalized().toRotationMatrix();
   return T;
 }
@@ -117,7 +118,8 @@ LookColumns::LookColumns(Header& header, CsvTable& table, const Dataset& dataset
 /// The columns that the kinds of this set's targets need.
 void LookColumns::find_corners(Header& header, CsvTable& table, const Dataset& dataset) {
   const auto has = [&dataset](TargetKind kind) {
-    return std::any_of(dataset.targets.begin(), dataset.targets.end(), [kind](const auto& t) { return t.kind == kind; });
+    return std::any_of(dataset.targets.begin(), dataset.targets.end(),
+                       [kind](const auto& t) { return t.kind == kind; });
   };
   if (has(TargetKind::kPose) && target_in_camera.exists() == camera_in_target.exists()) {
     table.refuse_header("x_m", "needs the target's pose (x_m …, t11 …) or the camera's (camera_x_m …), not both");

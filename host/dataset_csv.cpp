@@ -78,13 +78,15 @@ class LookReader {
   void fill_pose(std::size_t row, Observation& z) {
     z.T_C_M = columns_.target_in_camera.exists() ? read_pose(table_, row, columns_.target_in_camera)
                                                  : read_pose(table_, row, columns_.camera_in_target).inverse();
-    if (columns_.second.exists() && !columns_.second.is_empty(table_, row)) z.T_C_M_second = read_pose(table_, row, columns_.second);
+    if (columns_.second.exists() && !columns_.second.is_empty(table_, row))
+      z.T_C_M_second = read_pose(table_, row, columns_.second);
     z.R_vision.diagonal() << Vector3::Constant(dataset_.sigma_m * dataset_.sigma_m),
         Vector3::Constant(dataset_.sigma_rad * dataset_.sigma_rad);
     if (columns_.covariance.size() != 21 || table_.is_empty(row, columns_.covariance[0])) return;
     std::size_t k = 0;
     for (Eigen::Index r = 0; r < 6; ++r) {
-      for (Eigen::Index c = r; c < 6; ++c) z.R_vision(r, c) = z.R_vision(c, r) = table_.number(row, columns_.covariance[k++]);
+      for (Eigen::Index c = r; c < 6; ++c)
+        z.R_vision(r, c) = z.R_vision(c, r) = table_.number(row, columns_.covariance[k++]);
     }
   }
 
@@ -127,7 +129,8 @@ void read_samples(const DatasetColumns& ignored, Dataset& dataset) {
 ArmStream sorted_by_time(const ArmStream& stream) {
   std::vector<std::size_t> order(stream.time_s.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stream.time_s[a] < stream.time_s[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return stream.time_s[a] < stream.time_s[b]; });
   ArmStream sorted;
   for (const std::size_t i : order) {
     sorted.time_s.push_back(stream.time_s[i]);

@@ -16,7 +16,8 @@ DatasetColumns read_dataset_yaml(const std::filesystem::path& folder, Dataset& d
 /// samples.csv, or arm.csv and looks.csv.
 void read_dataset_rows(const DatasetColumns& columns, Dataset& dataset);
 
-/// Corners of one target in one picture of the folder; nullopt where it is not found. Throws ConfigError for no picture.
+/// Corners of one target in one picture of the folder; nullopt where it is not found. Throws ConfigError
+/// where there is no picture.
 std::optional<std::vector<Eigen::Vector2d>> corners_in_picture(const Dataset& dataset, const DatasetTarget& target,
                                                                const std::string& picture);
 /// Corner points of a square, marker or chessboard on the target, in the order of corners_in_picture.

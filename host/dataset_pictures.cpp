@@ -74,8 +74,9 @@ bool start_pose_from_corners(const Intrinsics& camera, Observation& z) {
   } catch (const cv::Exception&) {
     return false;  // points that span nothing
   }
-  z.T_C_M = {so3_exp(Vector3(rotation_vector.at<double>(0), rotation_vector.at<double>(1), rotation_vector.at<double>(2))),
-             Vector3(t.at<double>(0), t.at<double>(1), t.at<double>(2))};
+  z.T_C_M = {
+      so3_exp(Vector3(rotation_vector.at<double>(0), rotation_vector.at<double>(1), rotation_vector.at<double>(2))),
+      Vector3(t.at<double>(0), t.at<double>(1), t.at<double>(2))};
   return is_finite(z.T_C_M) && z.T_C_M.p.z() > 0.0;
 }
 

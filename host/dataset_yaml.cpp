@@ -83,7 +83,8 @@ void read_noise(const YamlValue& root, Dataset& dataset) {
   read("encoder_sigma_rad", 1.0, dataset.noise.encoder_sigma_rad);
   read("floor_m", 1.0, dataset.noise.floor_position_sigma_m);
   read("floor_rad", 1.0, dataset.noise.floor_rotation_sigma_rad);
-  if (dataset.sigma_m <= 0.0 && dataset.noise.floor_position_sigma_m <= 0.0) noise.refuse("sigma_m or floor_m must be > 0");
+  if (dataset.sigma_m <= 0.0 && dataset.noise.floor_position_sigma_m <= 0.0)
+    noise.refuse("sigma_m or floor_m must be > 0");
   if (dataset.sigma_rad <= 0.0 && dataset.noise.floor_rotation_sigma_rad <= 0.0) {
     noise.refuse("sigma_rad or floor_rad must be > 0");
   }

@@ -129,14 +129,17 @@ std::optional<Line> edge_line(const cv::Mat& gray, const Intrinsics& k, const Po
   return fit_line(points);
 }
 
-std::optional<RefinedCorners> refine_once(const cv::Mat& gray, const Intrinsics& k, const Corners& corners, int modules) {
+std::optional<RefinedCorners> refine_once(const cv::Mat& gray, const Intrinsics& k, const Corners& corners,
+                                          int modules) {
   std::array<Line, 4> lines;
   double squares = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     const Point a = to_point(corners[i]), b = to_point(corners[(i + 1) % 4]);
     const Point c = to_point(corners[(i + 2) % 4]), d = to_point(corners[(i + 3) % 4]);
     const Point direction = (b - a).normalized();
-    const auto width = [&](const Point& p) { return std::abs(direction.x() * (p - a).y() - direction.y() * (p - a).x()); };
+    const auto width = [&](const Point& p) {
+      return std::abs(direction.x() * (p - a).y() - direction.y() * (p - a).x());
+    };
     const double module = 0.5 * (width(c) + width(d)) / modules;  // across this edge, foreshortened
     const auto line = edge_line(gray, k, a, b, std::clamp(0.75 * module, 1.6, 12.0));
     if (!line) return std::nullopt;
@@ -181,8 +184,8 @@ Corners grown(const Corners& corners, double out_px) {
 
 }  // namespace
 
-std::optional<RefinedCorners> refine_corners(const cv::Mat& gray, const Intrinsics& intrinsics, const Corners& corners_px,
-                                             int modules) {
+std::optional<RefinedCorners> refine_corners(const cv::Mat& gray, const Intrinsics& intrinsics,
+                                             const Corners& corners_px, int modules) {
   for (const double out_px : kOutwards_px) {
     if (const auto refined = refine_near(gray, intrinsics, grown(corners_px, out_px), modules)) return refined;
   }

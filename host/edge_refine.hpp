@@ -17,7 +17,7 @@ struct RefinedCorners {
 /// From corners good to ±2 px, or of the contour that a threshold leaves inside a wide border. nullopt where an edge
 /// cannot be seen on a third of its length, or a corner would move by more than 3 px: then the outline is not what it
 /// should be. `modules`: of the marker with its border.
-std::optional<RefinedCorners> refine_corners(const cv::Mat& gray, const Intrinsics& intrinsics, const Corners& corners_px,
-                                             int modules);
+std::optional<RefinedCorners> refine_corners(const cv::Mat& gray, const Intrinsics& intrinsics,
+                                             const Corners& corners_px, int modules);
 
 }  // namespace armsight::host

@@ -50,7 +50,8 @@ bool drive_glancing(HostIo& io, Looker& looker, const JointVector& q) {
   if (!at) return true;
   const Duration slack = std::chrono::milliseconds(15);
   if (const auto reading = io.arm().mean_reading(at->arm_time - slack, at->arm_time + slack)) {
-    const JointVector back = Eigen::Map<const Eigen::VectorXd>(reading->data(), static_cast<Eigen::Index>(reading->size()));
+    const JointVector back =
+        Eigen::Map<const Eigen::VectorXd>(reading->data(), static_cast<Eigen::Index>(reading->size()));
     drive_to(io, back + model_in_force(io).beta);
   }
   return true;
@@ -87,7 +88,8 @@ FirstSight find_marker(HostIo& io, Looker& looker, int frames, std::ostream& pro
     if ((i + 1) % 10 == 0) progress << "search: " << i + 1 << " postures, marker not seen yet" << std::endl;
   }
   throw CommandFailed("search: marker " + std::to_string(io.robot().hand_marker.id) + " not seen from " +
-                      std::to_string(sight.stops) + " postures: is it on the hand, is the camera looking at the arm, is there light?");
+                      std::to_string(sight.stops) +
+                      " postures: is it on the hand, is the camera looking at the arm, is there light?");
 }
 
 }  // namespace armsight::host

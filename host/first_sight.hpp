@@ -1,5 +1,6 @@
 // Where must the arm go so that the camera sees its marker at all? The camera hint gets a few postures; then an even
-// sweep over the joint space, with an eye on the way: no knowledge of the camera's place is needed (specification F-C2).
+// sweep over the joint space, with an eye on the way: no knowledge of the camera's place is needed
+// (specification F-C2).
 #pragma once
 
 #include <iosfwd>

@@ -104,8 +104,8 @@ void Grasp::find_object() {
   if (options_.dry_run)
     throw CommandFailed("grasp: " + record.why + " from here; a dry run moves nothing out of the way");
   const LearnedModel model = model_in_force(io_);
-  const PlanProblem problem =
-      plan_problem(io_, model.T_C_B, wide_prior(io_.robot().filter, io_.robot().arm.joint_count()), kOutOfViewMargin_rad);
+  const PlanProblem problem = plan_problem(
+      io_, model.T_C_B, wide_prior(io_.robot().filter, io_.robot().arm.joint_count()), kOutOfViewMargin_rad);
   for (const JointVector& q : postures_out_of_view(problem, real_now(io_), options_.view_attempts)) {
     progress_ << "object: " << record.why << "; moving the arm out of the way" << std::endl;
     if (!drive_to(io_, q).has_arrived) continue;
@@ -153,7 +153,8 @@ void Grasp::close_hand(const GraspChoice& choice) {
   note_end();
   const GraspVerdict verdict = judge_grasp(object_, hand.closure, hand.effort_permille);
   record.verdict = to_text(verdict);
-  record.why = "fingers at " + fixed(100 * hand.closure, 0) + " % with " + fixed(hand.effort_permille / 10, 0) + " % of their force";
+  record.why = "fingers at " + fixed(100 * hand.closure, 0) + " % with " + fixed(hand.effort_permille / 10, 0) +
+               " % of their force";
   progress_ << "hand: " << record.verdict << ": " << record.why << std::endl;
   picture_closed();
   if (verdict == GraspVerdict::kGrasped) return carry(choice);
@@ -200,12 +201,14 @@ void Grasp::picture_closed() {
   const LearnedModel& model = record.model;
   const Pose predicted = predict_T_C_H(io_.robot().arm.chain, model.T_C_B, model.beta, record.q_reading);
   const LookTaken taken = looker.look(1, predicted);
-  record.image_closed = files_.save_picture(overlaid(taken, io_.camera().intrinsics(), {"act: hand closed: " + record.verdict, record.why}));
+  record.image_closed = files_.save_picture(
+      overlaid(taken, io_.camera().intrinsics(), {"act: hand closed: " + record.verdict, record.why}));
 }
 
 }  // namespace
 
-void run_grasp(HostIo& io, SessionFiles& files, const GraspObject& object, const GraspOptions& options, std::ostream& progress) {
+void run_grasp(HostIo& io, SessionFiles& files, const GraspObject& object, const GraspOptions& options,
+               std::ostream& progress) {
   Grasp grasp(io, files, object, options, progress);
   try {
     grasp.run();

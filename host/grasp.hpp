@@ -21,6 +21,7 @@ struct GraspOptions {
 };
 
 /// Writes grasp.json in any case. Throws CommandFailed where the grasp was refused or the hand came back empty.
-void run_grasp(HostIo& io, SessionFiles& files, const GraspObject& object, const GraspOptions& options, std::ostream& progress);
+void run_grasp(HostIo& io, SessionFiles& files, const GraspObject& object, const GraspOptions& options,
+               std::ostream& progress);
 
 }  // namespace armsight::host

@@ -17,7 +17,8 @@ constexpr double kPregraspTolerance_rad = 0.6;  // five joints cannot keep the t
 constexpr double kSag_m = 0.002;
 constexpr double kForceShare = 0.3;           // of the force limit: fingers that press, not fingers that coast
 
-// The turn about z_O that the hand's actual orientation comes nearest to: argmax trace(Rz(yaw) A), A = R_O_G(0) R_actualᵀ.
+// The turn about z_O that the hand's actual orientation comes nearest to: argmax trace(Rz(yaw) A) with
+// A = R_O_G(0) R_actualᵀ.
 double nearest_yaw(const Matrix3& R_O_G0, const Matrix3& R_O_H) {
   const Matrix3 A = R_O_H * R_O_G0.transpose();
   return std::atan2(A(1, 0) - A(0, 1), A(0, 0) + A(1, 1));

@@ -56,7 +56,9 @@ LookTaken Looker::look(int frames, const std::optional<Pose>& predicted_T_C_X) {
     return taken;
   }
   if (2 * static_cast<int>(found.size()) <= frames) {
-    taken.why = seen == 0 ? kNotSeen : 2 * seen <= frames ? "marker seen in too few frames" : "marker seen, but its outline is covered";
+    taken.why = seen == 0            ? kNotSeen
+                : 2 * seen <= frames ? "marker seen in too few frames"
+                                     : "marker seen, but its outline is covered";
     return taken;
   }
   LookResult result = make_look(found, marker_, T_X_M_, io_.camera().intrinsics(), predicted_T_C_X);
@@ -73,7 +75,8 @@ LookTaken Looker::look(int frames, const std::optional<Pose>& predicted_T_C_X) {
   }
   taken.arm_time = *at;
   const auto reading = io_.arm().mean_reading(from->arm_time - kReadingSlack, to->arm_time + kReadingSlack);
-  if (reading) taken.q_reading = Eigen::Map<const Eigen::VectorXd>(reading->data(), static_cast<Eigen::Index>(reading->size()));
+  if (reading)
+    taken.q_reading = Eigen::Map<const Eigen::VectorXd>(reading->data(), static_cast<Eigen::Index>(reading->size()));
   else taken.why = "the arm told no joint angles of that time";
   taken.look = std::move(result.look);
   return taken;

@@ -103,7 +103,8 @@ void HostIo::watch_silence(Time now) {
   silence_ = is_heard ? Duration::zero() : silence_ + std::min(now - last_step_, kLongestStep);
   heard_ = arm_->last_received();
   last_step_ = now;
-  if (arm_->hello() && silence_ > kSilence) throw PeerLost("arm controller: silent for 1 s, though the connection is open");
+  if (arm_->hello() && silence_ > kSilence)
+    throw PeerLost("arm controller: silent for 1 s, though the connection is open");
 }
 
 bool HostIo::wait_until(const std::function<bool()>& claim, Duration timeout) {
@@ -122,7 +123,8 @@ CommandOutcome HostIo::command(wire::Envelope message) {
   lease.mutable_lease_request();
   const CommandOutcome lease_outcome = ask(std::move(lease));
   if (!lease_outcome.is_accepted) return lease_outcome;
-  std::fprintf(stderr, "host: this machine held the host up until its lease ran out; the arm held, the lease is taken again\n");
+  std::fprintf(stderr,
+               "host: this machine held the host up until its lease ran out; the arm held, the lease is taken again\n");
   wait_until([&] { return arm_->state() && arm_->state()->mode() != wire::MODE_STOPPING; }, kStopTimeout);
   return ask(std::move(message));
 }
@@ -173,8 +175,8 @@ void take_command(HostIo& io, bool clear_fault) {
   io.demand(std::move(lease), "lease");
   const auto is_configured = [&] {
     const wire::Mode mode = arm.state()->mode();
-    return mode == wire::MODE_READY || mode == wire::MODE_HOLD || mode == wire::MODE_SERVO || mode == wire::MODE_STOPPING ||
-           mode == wire::MODE_FAULT;
+    return mode == wire::MODE_READY || mode == wire::MODE_HOLD || mode == wire::MODE_SERVO ||
+           mode == wire::MODE_STOPPING || mode == wire::MODE_FAULT;
   };
   if (!io.wait_until(is_configured, kHoldTimeout)) {
     throw CommandFailed(std::string("power on: the arm is in ") + to_text(arm.state()->mode()) + " after 30 s");

@@ -41,7 +41,8 @@ struct HostIoOptions {
   double speed_scale = 1.0;  ///< of all motions of this session, (0, 1]
 };
 
-/// A controller tells a revision when its disk has it, which takes a busy disk seconds. Whether it lives is watched apart.
+/// A controller tells a revision when its disk has it, which takes a busy disk seconds. Whether it lives
+/// is watched apart.
 inline constexpr Duration kModelTimeout = std::chrono::seconds(20);
 
 class HostIo {
@@ -51,7 +52,8 @@ class HostIo {
   /// Says Bye, whatever happened.
   ~HostIo();
 
-  /// One cycle: waits for it, takes what acts now, keeps the lease. Throws PeerLost, CameraLost, ClockLost, Interrupted.
+  /// One cycle: waits for it, takes what acts now, keeps the lease.
+  /// Throws PeerLost, CameraLost, ClockLost, Interrupted.
   Time step();
   Time now() const { return clock_->now(); }
   /// Steps until the claim holds; false after timeout.
@@ -108,7 +110,8 @@ class HostIo {
 /// Ctrl-C and SIGTERM from now on end the next step() with Interrupted, after Stop and Bye.
 void catch_interrupts();
 
-/// Waits for the controller's answer to Hello, its state and its model; whoever looks also needs clocks that agree to 2 ms.
+/// Waits for the controller's answer to Hello, its state and its model; whoever looks also needs clocks that
+/// agree to 2 ms.
 void open_session(HostIo& io, bool needs_time);
 /// "the arm stands in fault 204: …; --clear-fault clears it".
 std::string fault_text(HostIo& io);

@@ -21,8 +21,8 @@ struct Intrinsics {
   std::array<double, 5> plumb_bob{};  ///< k1 k2 p1 p2 k3
 };
 
-/// Throws ConfigError with every "file:line:column: key = value: rule"; keys of the formats that are not needed here are
-/// passed over.
+/// Throws ConfigError with every "file:line:column: key = value: rule"; keys of the formats that are not needed here
+/// are passed over.
 Intrinsics load_intrinsics(const std::filesystem::path& file);
 /// The rule that `k` breaks, or nothing: sizes, positive focal lengths, centre in the picture, finite numbers.
 std::string broken_rule(const Intrinsics& k);

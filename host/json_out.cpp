@@ -70,7 +70,8 @@ std::string to_json(const CalibrateRecord& record) {
   const ArmCalibration& c = record.calibration;
   Json looks = Json::array();
   for (std::size_t i = 0; i < record.looks.size(); ++i) {
-    looks.push_back(look_json(record.looks[i], i < c.looks.size() ? c.looks[i] : LookVerdict{false, false, "not solved", 0, 0}));
+    looks.push_back(
+        look_json(record.looks[i], i < c.looks.size() ? c.looks[i] : LookVerdict{false, false, "not solved", 0, 0}));
   }
   const Json out{{"accepted", c.accepted}, {"why", c.why}, {"looks", looks}, {"training", json(c.training)},
                  {"heldout", json(c.heldout)}, {"sigma", sigma_json(c)}, {"rank", c.rank}, {"parameters", c.parameters},

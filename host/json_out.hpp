@@ -1,5 +1,5 @@
-// The result files of the verbs (calibrate.json, adapt.json, move.json, grasp.json; of status: --out) as text. Keys carry their units;
-// poses are {"p_m", "q_wxyz"}. Only json_out.cpp knows the JSON library.
+// The result files of the verbs (calibrate.json, adapt.json, move.json, grasp.json; of status: --out) as text. Keys
+// carry their units; poses are {"p_m", "q_wxyz"}. Only json_out.cpp knows the JSON library.
 #pragma once
 
 #include <optional>

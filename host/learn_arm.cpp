@@ -78,7 +78,8 @@ std::string broken_input(const ArmModel& arm, const std::vector<LookSample>& loo
 
 void fill_looks(const BatchSolution& solution, ArmCalibration& result) {
   for (std::size_t i = 0; i < solution.looks.size(); ++i) {
-    const Vector6 e = pose_error(solution.observations[i].T_C_M, predicted_T_C_M(solution.model, solution.observations[i]));
+    const Vector6 e =
+        pose_error(solution.observations[i].T_C_M, predicted_T_C_M(solution.model, solution.observations[i]));
     const LookFit& look = solution.looks[i];
     result.looks.push_back({look.used, look.second_solution, look.reason, 1e3 * e.head<3>().norm(),
                             e.tail<3>().norm() / kDegree});

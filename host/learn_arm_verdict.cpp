@@ -79,14 +79,18 @@ std::string reason_to_refuse(const std::vector<LookSample>& looks, const BatchSo
            advice(looks, solution.used, options);
   }
   if (options.cost == LearnCost::kWhitened && solution.misfit > options.max_misfit) {
-    std::snprintf(text, sizeof text, "the looks contradict each other: %.1f times their expected noise remains (at most"
-                  " %.1f): did the camera move, is the marker's size or place wrong?", solution.misfit, options.max_misfit);
+    std::snprintf(text, sizeof text,
+                  "the looks contradict each other: %.1f times their expected noise remains (at most"
+                  " %.1f): did the camera move, is the marker's size or place wrong?",
+                  solution.misfit, options.max_misfit);
     return text;
   }
-  for (int j = 1; options.with_offsets && options.cost == LearnCost::kWhitened && j < result.beta_sigma_rad.size(); ++j) {
+  const bool has_sigma = options.with_offsets && options.cost == LearnCost::kWhitened;
+  for (int j = 1; has_sigma && j < result.beta_sigma_rad.size(); ++j) {
     if (result.beta_sigma_rad[j] <= options.max_beta_sigma_rad) continue;
     std::snprintf(text, sizeof text, "the offset of %s is only known to %.1f deg (at most %.1f); ",
-                  joint_name(options, j).c_str(), result.beta_sigma_rad[j] / kDegree, options.max_beta_sigma_rad / kDegree);
+                  joint_name(options, j).c_str(), result.beta_sigma_rad[j] / kDegree,
+                  options.max_beta_sigma_rad / kDegree);
     return text + advice(looks, solution.used, options);
   }
   return {};

@@ -1,5 +1,5 @@
-// May this calibration be used? What speaks against it in words that say what to do (E2, F-C5), and whether it beats the
-// model in force on looks it never saw (F-C8). Internal to learn_arm.cpp.
+// May this calibration be used? What speaks against it in words that say what to do (E2, F-C5), and whether it beats
+// the model in force on looks it never saw (F-C8). Internal to learn_arm.cpp.
 #pragma once
 
 #include <string>

@@ -23,7 +23,8 @@ ChainModel with_scale(ChainModel model) {
 /// Targets nobody looked at must not stand in the problem as unknowns.
 ChainModel without_unseen_targets(ChainModel model, const std::vector<Observation>& looks) {
   for (std::size_t t = 0; t < model.targets.size(); ++t) {
-    const bool is_seen = std::any_of(looks.begin(), looks.end(), [t](const auto& z) { return z.target == static_cast<int>(t); });
+    const bool is_seen =
+        std::any_of(looks.begin(), looks.end(), [t](const auto& z) { return z.target == static_cast<int>(t); });
     if (!is_seen) model.targets[t].T_b_M.freedom = Freedom::kFixed;
   }
   return model;
@@ -116,7 +117,8 @@ DatasetCalibration calibrate_dataset(const Dataset& dataset, const DatasetOption
   }
   const ChainModel mounts = without_unseen_targets(dataset.model, result.looks);
   std::vector<BatchSolution> solutions(1);
-  result.candidates.push_back(try_candidate("mounts only", mounts, result.looks, batch, dataset, options, solutions[0]));
+  result.candidates.push_back(
+      try_candidate("mounts only", mounts, result.looks, batch, dataset, options, solutions[0]));
   ChainModel offsets = with_offsets(mounts, dataset.offset_joints);
   look_for_gauges(offsets, solutions[0], result.looks, batch.noise, result);
   const auto add = [&](const char* name, const ChainModel& problem) {

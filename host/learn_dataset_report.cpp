@@ -17,8 +17,8 @@ std::string two_columns(const ErrorStatistics& s, bool has_pixels) {
   if (has_pixels) {
     std::snprintf(text, sizeof text, "%7.2f px  %7.2f mm %6.3f deg", s.rms_px, s.rms_mm, s.rms_deg);
   } else {
-    std::snprintf(text, sizeof text, "rms %7.3f mm %7.3f deg, median %7.3f mm %6.3f deg", s.rms_mm, s.rms_deg, s.median_mm,
-                  s.median_deg);
+    std::snprintf(text, sizeof text, "rms %7.3f mm %7.3f deg, median %7.3f mm %6.3f deg", s.rms_mm, s.rms_deg,
+                  s.median_mm, s.median_deg);
   }
   return text;
 }
@@ -64,16 +64,17 @@ void print_model(const DatasetCalibration& result, std::ostream& out) {
 void print_calibration(const Dataset& dataset, const DatasetCalibration& result, std::ostream& out) {
   out << "Data set " << dataset.name << ": " << dataset.rows << " looks read, " << result.looks.size()
       << " used for learning and testing\n";
-  if (result.time_offset_s) out << "Clocks: t_arm = t_look + " << std::fixed << std::setprecision(4) << *result.time_offset_s
-                                << " s\n" << std::defaultfloat;
+  if (result.time_offset_s)
+    out << "Clocks: t_arm = t_look + " << std::fixed << std::setprecision(4) << *result.time_offset_s << " s\n"
+        << std::defaultfloat;
   out << "Left out by the chosen model: " << result.left_out.size() << '\n';
   for (const auto& look : result.left_out) out << "  " << look.label << ": " << look.reason << '\n';
   out << "Models (" << dataset.folds << "-fold over looks, outliers counted):\n";
   for (std::size_t i = 0; i < result.candidates.size(); ++i) {
     const CandidateResult& c = result.candidates[i];
     out << (i == result.chosen ? "* " : "  ") << std::left << std::setw(18) << c.name << std::right << std::setw(3)
-        << c.unknowns << " unknowns\n      training " << two_columns(c.training, has_pixels(result)) << "\n      held-out "
-        << two_columns(c.heldout, has_pixels(result)) << '\n';
+        << c.unknowns << " unknowns\n      training " << two_columns(c.training, has_pixels(result))
+        << "\n      held-out " << two_columns(c.heldout, has_pixels(result)) << '\n';
   }
   out << "Chosen by held-out error: " << result.candidates[result.chosen].name << '\n';
   out << "Observability: rank " << result.rank << " of " << result.parameters << '\n';
@@ -104,7 +105,8 @@ std::string calibration_json(const Dataset& dataset, const DatasetCalibration& r
   json["beta_rad"] = Json::object();
   for (const auto& offset : model.offsets) json["beta_rad"][offset.name] = offset.value;
   json["sigma"] = Json::object();
-  for (const auto& [name, sigma] : result.sigma) json["sigma"][name] = std::isfinite(sigma) ? Json(sigma) : Json(nullptr);
+  for (const auto& [name, sigma] : result.sigma)
+    json["sigma"][name] = std::isfinite(sigma) ? Json(sigma) : Json(nullptr);
   json["solve_wall_s"] = result.solve_wall_s;
   return json.dump(2) + "\n";
 }

@@ -92,7 +92,8 @@ Choice choose(const PlanarSolutions& s, const Pose& T_H_M, const std::optional<P
   if (s.delta_chi2 > options.clear_delta_chi2) return {&s.best, nullptr, false};
   if (predicted_T_C_H) {
     const Matrix3 predicted = predicted_T_C_H->R * T_H_M.R;
-    const double best = rotation_angle(s.best.T_C_M.R, predicted), second = rotation_angle(s.second->T_C_M.R, predicted);
+    const double best = rotation_angle(s.best.T_C_M.R, predicted),
+                 second = rotation_angle(s.second->T_C_M.R, predicted);
     if (second - best > kDecisive_rad) return {&s.best, nullptr, true};
     if (best - second > kDecisive_rad) return {&*s.second, nullptr, true};
     if (second < best) return {&*s.second, &s.best, false};
@@ -107,7 +108,8 @@ LookResult make_look(std::span<const LookFrame> frames, const MarkerConfig& mark
                      const LookOptions& options) {
   if (frames.empty()) return {std::nullopt, "the marker was not seen"};
   const std::vector<LookFrame> used = without_outliers(frames, options.outlier_px);
-  if (2 * used.size() <= frames.size()) return {std::nullopt, "the corners of the frames do not agree: the marker moved"};
+  if (2 * used.size() <= frames.size())
+    return {std::nullopt, "the corners of the frames do not agree: the marker moved"};
   const CornerMean mean = mean_of(used);
   if (mean.scatter_px > options.still_px) return {std::nullopt, "the corners scatter too much: the marker moved"};
   const double sigma_px = corner_sigma(mean, used.size(), options);

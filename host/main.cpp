@@ -10,9 +10,11 @@ using armsight::host::Verb;
 void add_connection(CLI::App& app, CommandLine& line) {
   app.add_option("--arm", line.arm, "arm controller, ADDR:PORT");
   app.add_option("--state", line.state, "folder for results, pictures and the calibration")->capture_default_str();
-  app.add_option("--robot", line.robot, "robot file; must describe the arm as the controller's does")->capture_default_str();
+  app.add_option("--robot", line.robot, "robot file; must describe the arm as the controller's does")
+      ->capture_default_str();
   app.add_option("--camera", line.camera, "sim:ADDR:PORT | v4l2:DEV | video:FILE | folder:DIR");
-  app.add_option("--intrinsics", line.intrinsics, "camera intrinsics, ROS camera_info or OpenCV YAML; sim announces its own");
+  app.add_option("--intrinsics", line.intrinsics,
+                 "camera intrinsics, ROS camera_info or OpenCV YAML; sim announces its own");
   app.add_option("--clock", line.clock, "sim:PATH joins the simulated robot's clock; default: the machine's");
   app.add_flag("--clear-fault", line.clear_fault, "clear a latched fault before taking command");
 }
@@ -31,15 +33,20 @@ void add_motion(CLI::App* verb, CommandLine& line) {
 }
 
 void add_learning(CLI::App& app, CommandLine& line) {
-  CLI::App* calibrate = add_verb(app, line, "calibrate", "learn camera pose and joint offsets by moving and looking, or from a data set", Verb::kCalibrate);
+  CLI::App* calibrate =
+      add_verb(app, line, "calibrate", "learn camera pose and joint offsets by moving and looking, or from a data set",
+               Verb::kCalibrate);
   calibrate->add_option("--looks", line.looks, "accepted looks to make (20)")->check(CLI::Range(6, 200));
-  calibrate->add_option("--target-sigma-mm", line.target_sigma_mm, "stop when the hand is known better than this; 0: never")->check(CLI::Range(0.0, 100.0));
+  calibrate
+      ->add_option("--target-sigma-mm", line.target_sigma_mm, "stop when the hand is known better than this; 0: never")
+      ->check(CLI::Range(0.0, 100.0));
   calibrate->add_option("--dataset", line.dataset, "folder with dataset.yaml and samples; needs no arm");
   calibrate->add_option("--out", line.out, "with --dataset: JSON file to write");
   add_motion(calibrate, line);
   CLI::App* adapt = add_verb(app, line, "adapt", "correct the model by a few looks at the hand", Verb::kAdapt);
   adapt->add_option("--looks", line.looks, "looks to make (5)")->check(CLI::Range(1, 50));
-  adapt->add_option("--target-sigma-mm", line.target_sigma_mm, "stop when the hand is known better than this; 0: never")->check(CLI::Range(0.0, 100.0));
+  adapt->add_option("--target-sigma-mm", line.target_sigma_mm, "stop when the hand is known better than this; 0: never")
+      ->check(CLI::Range(0.0, 100.0));
   add_motion(adapt, line);
 }
 
@@ -53,8 +60,11 @@ void add_acting(CLI::App& app, CommandLine& line) {
   add_motion(grasp, line);
   CLI::App* move = add_verb(app, line, "move", "drive to a posture or a hand pose", Verb::kMove);
   CLI::Option* named = move->add_option("posture", line.posture, "one of the robot file's named postures");
-  CLI::Option* joints = move->add_option("--joints", line.joints_rad, "real joint angles in rad, q1,q2,…")->delimiter(',');
-  CLI::Option* pose = move->add_option("--pose", line.pose, "hand in the base: x,y,z in m, then qw,qx,qy,qz")->delimiter(',')->expected(7);
+  CLI::Option* joints =
+      move->add_option("--joints", line.joints_rad, "real joint angles in rad, q1,q2,…")->delimiter(',');
+  CLI::Option* pose = move->add_option("--pose", line.pose, "hand in the base: x,y,z in m, then qw,qx,qy,qz")
+                          ->delimiter(',')
+                          ->expected(7);
   joints->excludes(pose);
   named->excludes(joints)->excludes(pose);
   add_motion(move, line);
@@ -64,7 +74,8 @@ void add_acting(CLI::App& app, CommandLine& line) {
   add_motion(park, line);
   CLI::App* hand = add_verb(app, line, "hand", "open or close the hand", Verb::kHand);
   hand->add_option("what", line.hand, "open | close")->required()->check(CLI::IsMember({"open", "close"}));
-  hand->add_option("--force", line.force_permille, "grip limit in per mille of the rated force")->check(CLI::Range(1.0, 1000.0));
+  hand->add_option("--force", line.force_permille, "grip limit in per mille of the rated force")
+      ->check(CLI::Range(1.0, 1000.0));
   add_motion(hand, line);
 }
 
@@ -78,7 +89,8 @@ void add_watching(CLI::App& app, CommandLine& line) {
   status->add_option("--for", line.watch_s, "seconds to watch; 0: until Ctrl-C")
       ->check(CLI::Range(0.0, 1e6))
       ->needs(watch);
-  CLI::App* box = add_verb(app, line, "blackbox", "fetch the newest black box: the cycles before the last fault", Verb::kBlackBox);
+  CLI::App* box =
+      add_verb(app, line, "blackbox", "fetch the newest black box: the cycles before the last fault", Verb::kBlackBox);
   box->add_option("--out", line.out, "FILE.mcap to write")->required();
   add_verb(app, line, "stop", "stop the arm and hold; works whoever commands it", Verb::kStop);
 }
@@ -88,7 +100,8 @@ void add_tools(CLI::App& app, CommandLine& line) {
   print->require_subcommand(1);
   CLI::App* marker = add_verb(*print, line, "marker", "a marker with a 100 mm ruler", Verb::kPrintMarker);
   marker->add_option("--id", line.marker_id, "marker id; default: the hand's")->check(CLI::Range(0, 1023));
-  marker->add_option("--size-mm", line.marker_size_mm, "outer edge of the black border; default: the hand's")->check(CLI::Range(5.0, 500.0));
+  marker->add_option("--size-mm", line.marker_size_mm, "outer edge of the black border; default: the hand's")
+      ->check(CLI::Range(5.0, 500.0));
   marker->add_option("--dictionary", line.dictionary, "default: the hand's");
   marker->add_option("--out", line.out, "FILE.svg or FILE.pdf")->required();
   CLI::App* robot = app.add_subcommand("robot", "robot files");

@@ -69,7 +69,8 @@ double noise_levels(const cv::Mat& gray) {
   int total = 0;
   for (int row = 0; row < gray.rows; row += 8) {
     const unsigned char* line = gray.ptr(row);
-    for (int x = 1; x + 1 < gray.cols; x += 3, ++total) ++counts[static_cast<std::size_t>(std::abs(line[x - 1] - 2 * line[x] + line[x + 1]))];
+    for (int x = 1; x + 1 < gray.cols; x += 3, ++total)
+      ++counts[static_cast<std::size_t>(std::abs(line[x - 1] - 2 * line[x] + line[x + 1]))];
   }
   int median = 0;
   for (int below = counts[0]; 2 * below < total; below += counts[static_cast<std::size_t>(median)]) ++median;

@@ -29,7 +29,8 @@ void add_marker(const MarkerPattern& pattern, double x_mm, double y_mm, double s
     for (int column = 0; column < pattern.modules;) {
       int end = column;
       while (end < pattern.modules && !pattern.at(row, end)) ++end;
-      if (end > column) layout.black.push_back({x_mm + column * module, y_mm + row * module, (end - column) * module, module});
+      if (end > column)
+        layout.black.push_back({x_mm + column * module, y_mm + row * module, (end - column) * module, module});
       column = end + 1;
     }
   }
@@ -53,8 +54,9 @@ void add_ruler(double x_mm, double y_mm, PrintLayout& layout) {
     layout.black.push_back({x_mm + mm - kLine_mm / 2, y_mm - height, kLine_mm, height});
     if (mm % 50 == 0) layout.texts.push_back({x_mm + mm + 0.8, y_mm - 5.6, 3.0, std::to_string(mm)});
   }
-  const std::string advice = "100 mm between the outer ticks, else print again without scaling (100 %)";
-  layout.texts.push_back({x_mm, y_mm + 5.0, 3.2, advice});
+  const PrintText advice{x_mm, y_mm + 5.0, 3.2,
+                         "100 mm between the outer ticks, else print again without scaling (100 %)"};
+  layout.texts.push_back(advice);
 }
 
 }  // namespace
@@ -66,28 +68,36 @@ PrintLayout marker_layout(const MarkerConfig& marker) {
   PrintLayout layout;
   const double plate_mm = side_mm + 2.0 * margin_mm;
   if (!(side_mm >= 5.0) || plate_mm > layout.page_width_mm - 20.0) {
-    throw ConfigError(format("marker side = %g mm: must be 5 mm or more, and with its margin fit on A4 (up to %g mm)", side_mm,
-                             190.0 * pattern.modules / (pattern.modules + 2.0 * kMarginModules)));
+    throw ConfigError(format("marker side = %g mm: must be 5 mm or more, and with its margin fit on A4 (up to %g mm)",
+                             side_mm, 190.0 * pattern.modules / (pattern.modules + 2.0 * kMarginModules)));
   }
   const double plate_x = 0.5 * (layout.page_width_mm - plate_mm);
   add_marker(pattern, plate_x + margin_mm, kTop_mm + margin_mm, side_mm, layout);
   add_cut_marks(plate_x, kTop_mm, plate_mm, layout);
-  layout.texts.push_back({plate_x, kTop_mm - 6.0, 4.0, marker.dictionary + "  id " + std::to_string(marker.id) + format("  side %g mm", side_mm)});
+  layout.texts.push_back({plate_x, kTop_mm - 6.0, 4.0,
+                          marker.dictionary + "  id " + std::to_string(marker.id) + format("  side %g mm", side_mm)});
   add_ruler(0.5 * (layout.page_width_mm - kRuler_mm), kTop_mm + plate_mm + 25.0, layout);
-  layout.texts.push_back({0.5 * (layout.page_width_mm - kRuler_mm), kTop_mm + plate_mm + 36.0, 3.2,
-                          "side = black border, outer edge to outer edge. Cut at the corners; glue flat, matt side up."});
+  const PrintText instruction{0.5 * (layout.page_width_mm - kRuler_mm), kTop_mm + plate_mm + 36.0, 3.2,
+                              "side = black border, outer edge to outer edge. Cut at the corners; "
+                              "glue flat, matt side up."};
+  layout.texts.push_back(instruction);
   return layout;
 }
 
 std::string to_svg(const PrintLayout& layout) {
-  std::string out = format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%gmm\" height=\"%gmm\" viewBox=\"0 0 %g %g\">\n",
-                           layout.page_width_mm, layout.page_height_mm, layout.page_width_mm, layout.page_height_mm);
-  out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<g fill=\"black\" shape-rendering=\"geometricPrecision\">\n";
+  std::string out =
+      format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%gmm\" height=\"%gmm\" viewBox=\"0 0 %g %g\">\n",
+             layout.page_width_mm, layout.page_height_mm, layout.page_width_mm, layout.page_height_mm);
+  out +=
+      "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<g fill=\"black\" "
+      "shape-rendering=\"geometricPrecision\">\n";
   for (const PrintRectangle& r : layout.black) {
-    out += format("<rect x=\"%.5f\" y=\"%.5f\" width=\"%.5f\" height=\"%.5f\"/>\n", r.x_mm, r.y_mm, r.width_mm, r.height_mm);
+    out += format("<rect x=\"%.5f\" y=\"%.5f\" width=\"%.5f\" height=\"%.5f\"/>\n", r.x_mm, r.y_mm, r.width_mm,
+                  r.height_mm);
   }
   for (const PrintText& t : layout.texts) {
-    out += format("<text x=\"%.3f\" y=\"%.3f\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"%.2f\">", t.x_mm, t.y_mm, t.size_mm) +
+    out += format("<text x=\"%.3f\" y=\"%.3f\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"%.2f\">",
+                  t.x_mm, t.y_mm, t.size_mm) +
            t.text + "</text>\n";
   }
   return out + "</g>\n</svg>\n";
@@ -96,12 +106,14 @@ std::string to_svg(const PrintLayout& layout) {
 std::string to_pdf(const PrintLayout& layout) {
   std::string page = "0 g\n";
   for (const PrintRectangle& r : layout.black) {
-    page += format("%.5f %.5f %.5f %.5f re\n", r.x_mm * kPoints, (layout.page_height_mm - r.y_mm - r.height_mm) * kPoints,
-                   r.width_mm * kPoints, r.height_mm * kPoints);
+    page +=
+        format("%.5f %.5f %.5f %.5f re\n", r.x_mm * kPoints, (layout.page_height_mm - r.y_mm - r.height_mm) * kPoints,
+               r.width_mm * kPoints, r.height_mm * kPoints);
   }
   page += "f\n";
   for (const PrintText& t : layout.texts) {
-    page += format("BT /F1 %.3f Tf %.4f %.4f Td (", t.size_mm * kPoints, t.x_mm * kPoints, (layout.page_height_mm - t.y_mm) * kPoints);
+    page += format("BT /F1 %.3f Tf %.4f %.4f Td (", t.size_mm * kPoints, t.x_mm * kPoints,
+                   (layout.page_height_mm - t.y_mm) * kPoints);
     for (const char c : t.text) {
       if (c == '(' || c == ')' || c == '\\') page += '\\';
       page += c;
@@ -111,7 +123,8 @@ std::string to_pdf(const PrintLayout& layout) {
   const std::vector<std::string> objects = {
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
       "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      "<< /Type /Page /Parent 2 0 R " + format("/MediaBox [0 0 %.4f %.4f] ", layout.page_width_mm * kPoints, layout.page_height_mm * kPoints) +
+      "<< /Type /Page /Parent 2 0 R " +
+          format("/MediaBox [0 0 %.4f %.4f] ", layout.page_width_mm * kPoints, layout.page_height_mm * kPoints) +
           "/Resources << /Font << /F1 5 0 R >> >> /Contents 4 0 R >>",
       "<< /Length " + std::to_string(page.size()) + " >>\nstream\n" + page + "endstream",
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};

@@ -93,7 +93,8 @@ JointVector to_joint_vector(const google::protobuf::RepeatedField<double>& value
 JointVector reading_now(HostIo& io) {
   const JointVector q = to_joint_vector(io.arm().state()->q_reading_rad());
   if (q.size() == 0)
-    throw CommandFailed(std::string("arm controller: its joints do not report, mode ") + to_text(io.arm().state()->mode()));
+    throw CommandFailed(std::string("arm controller: its joints do not report, mode ") +
+                        to_text(io.arm().state()->mode()));
   if (q.size() != io.robot().arm.joint_count()) throw PeerLost("arm controller: state with another number of joints");
   return q;
 }
@@ -144,7 +145,8 @@ MotionResult drive_to(HostIo& io, const PoseTarget& target) {
 HandResult move_hand(HostIo& io, double closure, double force_limit_permille) {
   wire::Envelope message;
   message.mutable_hand_command()->set_closure(closure);
-  message.mutable_hand_command()->set_force_limit_permille(static_cast<std::uint32_t>(std::lround(force_limit_permille)));
+  message.mutable_hand_command()->set_force_limit_permille(
+      static_cast<std::uint32_t>(std::lround(force_limit_permille)));
   message.mutable_hand_command()->set_speed_scale(io.speed_scale());
   io.demand(std::move(message), "hand");
   io.wait_until([&] { return io.arm().state()->hand_is_moving(); }, kHandStart);

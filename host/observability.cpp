@@ -99,7 +99,8 @@ std::string in_words(const ChainModel& model, const UnknownLayout& layout, const
     parts.insert(block.kind == Kind::kOffset ? parts.begin() : parts.end(), part);
   }
   std::string text;
-  for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
   return text + (parts.size() > 1 ? " cannot be told apart" : " cannot be seen");
 }
 

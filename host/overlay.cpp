@@ -10,7 +10,8 @@ constexpr double kAxis_m = 0.04;
 constexpr int kShift = 4;  // OpenCV draws in 1/16 px
 const cv::Scalar kOutline(60, 220, 60), kFirstCorner(0, 200, 255), kText(255, 255, 255), kShade(20, 20, 20);
 const std::array<cv::Scalar, 3> kAxes = {cv::Scalar(50, 50, 235), cv::Scalar(60, 200, 60), cv::Scalar(245, 130, 40)};
-const std::array<cv::Scalar, 3> kPaleAxes = {cv::Scalar(170, 170, 250), cv::Scalar(180, 240, 180), cv::Scalar(250, 205, 170)};
+const std::array<cv::Scalar, 3> kPaleAxes = {cv::Scalar(170, 170, 250), cv::Scalar(180, 240, 180),
+                                             cv::Scalar(250, 205, 170)};
 
 cv::Point fine(const cv::Point2d& p) { return {cvRound(p.x * (1 << kShift)), cvRound(p.y * (1 << kShift))}; }
 
@@ -19,10 +20,12 @@ bool is_drawable(const cv::Mat& image, const cv::Point2d& p) {
 }
 
 void draw_line(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b, const cv::Scalar& colour, int width) {
-  if (is_drawable(image, a) && is_drawable(image, b)) cv::line(image, fine(a), fine(b), colour, width, cv::LINE_AA, kShift);
+  if (is_drawable(image, a) && is_drawable(image, b))
+    cv::line(image, fine(a), fine(b), colour, width, cv::LINE_AA, kShift);
 }
 
-void draw_axes(cv::Mat& image, const Intrinsics& k, const Pose& T, const std::array<cv::Scalar, 3>& colours, int width) {
+void draw_axes(cv::Mat& image, const Intrinsics& k, const Pose& T, const std::array<cv::Scalar, 3>& colours,
+               int width) {
   if (T.p.z() < 0.05) return;
   for (int i = 0; i < 3; ++i) {
     const Vector3 tip = T.p + kAxis_m * T.R.col(i);

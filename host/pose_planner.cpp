@@ -86,7 +86,8 @@ bool exchange_once(const std::vector<CandidateLook>& candidates, StateMatrix& to
 }
 
 // Takes the candidate of the pool that adds most, again and again; returns the order in which they were taken.
-std::vector<int> greedy(const std::vector<CandidateLook>& candidates, std::vector<int> pool, StateMatrix& total, int count) {
+std::vector<int> greedy(const std::vector<CandidateLook>& candidates, std::vector<int> pool, StateMatrix& total,
+                        int count) {
   std::vector<int> taken;
   while (static_cast<int>(taken.size()) < count && !pool.empty()) {
     std::size_t best_slot = 0;
@@ -165,7 +166,9 @@ std::vector<int> order_by_travel(const std::vector<CandidateLook>& candidates, s
                                  const JointVector& q_start) {
   JointVector at = q_start;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const auto travel = [&](int c) { return (candidates[static_cast<std::size_t>(c)].q_real - at).lpNorm<Eigen::Infinity>(); };
+    const auto travel = [&](int c) {
+      return (candidates[static_cast<std::size_t>(c)].q_real - at).lpNorm<Eigen::Infinity>();
+    };
     const auto nearest = std::min_element(chosen.begin() + static_cast<std::ptrdiff_t>(i), chosen.end(),
                                           [&](int a, int b) { return travel(a) < travel(b); });
     std::iter_swap(chosen.begin() + static_cast<std::ptrdiff_t>(i), nearest);

@@ -1,7 +1,7 @@
 // Which postures should the arm take so that the looks tell most? Candidates are spread evenly over the joints' range
 // (a Halton sequence: same input, same plan), kept where the camera would see the marker well under the current model,
-// chosen for the largest determinant of the information (D-optimal, greedy with exchange), and ordered for short travel.
-// All angles real (reading + beta), rad. Pure. specification F-C6, §5.3.
+// chosen for the largest determinant of the information (D-optimal, greedy with exchange), and ordered for short
+// travel. All angles real (reading + beta), rad. Pure. specification F-C6, §5.3.
 #pragma once
 
 #include <vector>
@@ -26,8 +26,8 @@ struct PlanProblem {
   ViewLimits limits;
   double marker_side_m = 0.05;
   LookNoise noise;
-  std::vector<Vector3> hidden;   ///< where the marker should have been and was not seen, in C: something stands in the way
-  StateMatrix P;                 ///< covariance of [v; w; ε_β] now; also widens the image margin where the model is unsure
+  std::vector<Vector3> hidden;   ///< where the marker should have been and was not, in C: something is in the way
+  StateMatrix P;                 ///< covariance of [v; w; ε_β] now; widens the image margin where the model is unsure
 };
 
 struct CandidateLook {

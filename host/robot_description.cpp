@@ -71,7 +71,8 @@ SerialChain to_serial_chain(const DescribedChain& described) {
     (i == 0 ? chain.T_B_0 : chain.T_after[i - 1]) = fixed;
     undo = A.transpose();
   }
-  if (!described.joints.empty()) chain.T_after[described.joints.size() - 1] = Pose{undo, Vector3::Zero()} * described.tip;
+  if (!described.joints.empty())
+    chain.T_after[described.joints.size() - 1] = Pose{undo, Vector3::Zero()} * described.tip;
   return chain;
 }
 

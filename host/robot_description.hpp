@@ -30,7 +30,8 @@ SerialChain to_serial_chain(const DescribedChain& described);
 Vector3 to_rpy(const Matrix3& R);
 Matrix3 from_rpy(const Vector3& rpy_rad);
 
-/// The joints between two links of a URDF file, fixed ones folded in. Throws ConfigError naming what, where, which rule.
+/// The joints between two links of a URDF file, fixed ones folded in. Throws ConfigError
+/// naming what, where, which rule.
 DescribedChain read_urdf_chain(const std::filesystem::path& file, const std::string& base, const std::string& tip);
 
 }  // namespace armsight::host

@@ -53,7 +53,8 @@ bool is_finite(double value) { return std::isfinite(value); }
 // CLI11 takes "nan" for a number and finds it in every range.
 void check_numbers(const CommandLine& line) {
   const auto check = [](const char* flag, const std::vector<double>& values) {
-    if (!std::all_of(values.begin(), values.end(), is_finite)) throw ConfigError(std::string(flag) + ": must be finite");
+    if (!std::all_of(values.begin(), values.end(), is_finite))
+      throw ConfigError(std::string(flag) + ": must be finite");
   };
   check("--joints", line.joints_rad);
   check("--pose", line.pose);
@@ -71,7 +72,8 @@ std::optional<Pose> pose_goal(const CommandLine& line) {
     return std::nullopt;
   }
   const Eigen::Quaterniond q(line.pose[3], line.pose[4], line.pose[5], line.pose[6]);
-  if (!(std::abs(q.norm() - 1.0) < 1e-3)) throw ConfigError("--pose: quaternion of length " + std::to_string(q.norm()) + ": must be 1");
+  if (!(std::abs(q.norm() - 1.0) < 1e-3))
+    throw ConfigError("--pose: quaternion of length " + std::to_string(q.norm()) + ": must be 1");
   return Pose{q.normalized().toRotationMatrix(), Vector3(line.pose[0], line.pose[1], line.pose[2])};
 }
 

@@ -50,7 +50,8 @@ void RunningGuess::take(const std::vector<LookSample>& samples) {
     return;
   }
   const FusionReport report = filter_.update(measurement_of(samples.back()));
-  const bool is_fused = report.outcome == FusionOutcome::kFused || report.outcome == FusionOutcome::kFusedSecondSolution;
+  const bool is_fused =
+      report.outcome == FusionOutcome::kFused || report.outcome == FusionOutcome::kFusedSecondSolution;
   contradictions_ = is_fused ? 0 : contradictions_ + 1;
   if (contradictions_ < kContradictionsToRestart) return;
   start_from(samples.back());

@@ -1,6 +1,7 @@
 // What the host leaves behind, under --state DIR: the latest result of each verb, pictures with overlay, the looks of
 // a calibration as they are made, the calibration itself. Every file is written beside its name and renamed: a reader
-// never sees half of one. Only the calibration waits for the disk: what can be looked at anew need not outlive a power cut.
+// never sees half of one. Only the calibration waits for the disk: what can be looked at anew need not
+// outlive a power cut.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +20,8 @@ class SessionFiles {
   SessionFiles(const std::filesystem::path& state, const std::string& verb);
 
   const std::filesystem::path& folder() const { return state_; }
-  /// STATE/VERB.json. What cannot be written any more, the arm having moved, is no bad flag: std::runtime_error, exit 1.
+  /// STATE/VERB.json. What cannot be written any more, the arm having moved, is no bad flag:
+  /// std::runtime_error, exit 1.
   void save_result(std::string_view json);
   /// STATE/images/VERB-NN.jpg; answers the name relative to STATE, empty without a picture.
   std::string save_picture(const cv::Mat& picture);

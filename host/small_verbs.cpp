@@ -38,8 +38,9 @@ void run_move(HostIo& io, SessionFiles& files, const JointVector& q_real, const 
   }
   files.save_result(to_json(record));
   if (!motion.has_arrived) throw CommandFailed("move: " + motion.why);
-  progress << "arrived: joints " << degrees_text(real_now(io)) << " deg, " << fixed(motion.status.position_error_m() * 1e3, 2)
-           << " mm, " << fixed(degrees(motion.status.orientation_error_rad()), 2) << " deg from the goal" << std::endl;
+  progress << "arrived: joints " << degrees_text(real_now(io)) << " deg, "
+           << fixed(motion.status.position_error_m() * 1e3, 2) << " mm, "
+           << fixed(degrees(motion.status.orientation_error_rad()), 2) << " deg from the goal" << std::endl;
 }
 
 void run_hand(HostIo& io, double closure, double force_permille, std::ostream& progress) {
@@ -58,7 +59,8 @@ void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& 
     if (!io.wait_until([&] { return (chunk = io.arm().take_black_box_chunk()).has_value(); }, kAnswerTimeout))
       throw CommandFailed("blackbox: no answer; the controller may be older than this host");
     if (chunk->name().empty()) throw CommandFailed("blackbox: there is none: no fault since the controller started");
-    const bool is_next = chunk->offset() == bytes.size() && !chunk->data().empty() && (name.empty() || name == chunk->name());
+    const bool is_next =
+        chunk->offset() == bytes.size() && !chunk->data().empty() && (name.empty() || name == chunk->name());
     if (!is_next) throw CommandFailed("blackbox: another fault came while it was fetched; fetch again");
     name = chunk->name();
     bytes += chunk->data();

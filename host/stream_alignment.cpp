@@ -57,7 +57,8 @@ std::vector<Observation> looks_at_offset(const Dataset& dataset, double offset_s
 
 double estimate_time_offset_s(const Dataset& dataset, const BatchOptions& options) {
   const Dataset some = thinned_inside(dataset);
-  if (some.observations.size() < 10) throw ConfigError(dataset.folder.string() + ": looks.csv and arm.csv overlap in fewer than 10 looks");
+  if (some.observations.size() < 10)
+    throw ConfigError(dataset.folder.string() + ": looks.csv and arm.csv overlap in fewer than 10 looks");
   BatchOptions quick = options;
   quick.refined_starts = 1;
   quick.rounds = 1;

@@ -39,7 +39,8 @@ bool is_well_visible(const PinholeView& view, const ViewLimits& limits, const Po
   return true;
 }
 
-std::optional<Matrix6> marker_covariance(const PinholeView& view, const Pose& T_C_M, double side_m, double corner_sigma_px) {
+std::optional<Matrix6> marker_covariance(const PinholeView& view, const Pose& T_C_M, double side_m,
+                                         double corner_sigma_px) {
   Matrix6 information = Matrix6::Zero();
   for (const Vector3& corner : corners(side_m)) {
     const Vector3 p = T_C_M * corner;

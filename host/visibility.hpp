@@ -33,7 +33,8 @@ struct LookNoise : NoiseModel {
 };
 
 /// σ² (JᵀJ)⁻¹ of the four corners, rows position then rotation, in C; nullopt where a corner is behind the camera.
-std::optional<Matrix6> marker_covariance(const PinholeView& view, const Pose& T_C_M, double side_m, double corner_sigma_px);
+std::optional<Matrix6> marker_covariance(const PinholeView& view, const Pose& T_C_M, double side_m,
+                                         double corner_sigma_px);
 
 /// What a look tells about [v; w; ε_β]: Hᵀ R⁻¹ H with R = corners + encoders + floor. q is the real posture
 /// (reading + beta). nullopt where the camera would see nothing.
