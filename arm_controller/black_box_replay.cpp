@@ -39,6 +39,7 @@ class ReplayBus final : public CanBus {
     std::memcpy(out.frame.data.data(), record.data().data(), out.frame.size);
     out.time = time_from_ns(record.time_ns());
     out.is_own_echo = record.is_own_echo();
+    out.frame.is_fd = record.is_fd();
     out.bus = static_cast<std::uint8_t>(record.bus());
     return true;
   }

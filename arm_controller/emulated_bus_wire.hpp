@@ -17,7 +17,7 @@ namespace armsight::arm {
 inline constexpr std::size_t kBusPacketSize = 24;
 using BusPacketBytes = std::array<char, kBusPacketSize>;
 
-inline constexpr std::uint8_t kFlagOwnEcho = 1, kFlagErrorFrame = 2, kFlagDropped = 4;
+inline constexpr std::uint8_t kFlagOwnEcho = 1, kFlagErrorFrame = 2, kFlagDropped = 4, kFlagFd = 8;
 inline constexpr std::uint8_t kErrorPassiveState = 1, kBusOffState = 2;
 inline constexpr char kBusMagic[4] = {'A', 'S', 'C', 'B'};
 
@@ -32,7 +32,7 @@ inline BusPacketBytes encode_bus_packet(const BusPacket& packet) noexcept {
   write_le<std::int64_t>(bytes.data(), packet.time_ns);
   write_le<std::uint32_t>(bytes.data() + 8, packet.frame.id);
   bytes[12] = static_cast<char>(packet.frame.size);
-  bytes[13] = static_cast<char>(packet.flags);
+  bytes[13] = static_cast<char>(packet.flags | (packet.frame.is_fd ? kFlagFd : 0));
   std::memcpy(bytes.data() + 16, packet.frame.data.data(), 8);
   return bytes;
 }
@@ -43,7 +43,8 @@ inline std::optional<BusPacket> decode_bus_packet(std::span<const char> bytes) n
   packet.time_ns = read_le<std::int64_t>(bytes.data());
   packet.frame.id = read_le<std::uint32_t>(bytes.data() + 8);
   packet.frame.size = static_cast<std::uint8_t>(bytes[12]);
-  packet.flags = static_cast<std::uint8_t>(bytes[13]);
+  packet.frame.is_fd = (bytes[13] & kFlagFd) != 0;
+  packet.flags = static_cast<std::uint8_t>(bytes[13] & ~kFlagFd);
   std::memcpy(packet.frame.data.data(), bytes.data() + 16, 8);
   if (packet.frame.size > 8 || packet.frame.id > 0x7FF) return std::nullopt;
   return packet;

@@ -63,9 +63,12 @@ void check_bus_count(const Flags& flags, const RobotConfig& robot) {
                   flags.config + " are on " + std::to_string(needed) + (needed == 1 ? " bus" : " buses"));
 }
 
-std::unique_ptr<CanBus> make_bus(const Flags& flags, net::Clock& clock) {
+std::unique_ptr<CanBus> make_bus(const Flags& flags, const RobotConfig& robot, net::Clock& clock) {
   std::vector<std::unique_ptr<CanBus>> buses;
-  for (const std::string& interface : flags.can) buses.push_back(open_socket_can(interface, clock));
+  for (const std::string& interface : flags.can) {
+    const bool speaks_fd = robot.has_fd_drive(static_cast<int>(buses.size()));
+    buses.push_back(open_socket_can(interface, clock, CanHears::kController, speaks_fd));
+  }
   try {
     for (const std::string& path : flags.emulated_bus)
       buses.push_back(join_emulated_bus(path, clock, static_cast<int>(buses.size())));
@@ -94,7 +97,7 @@ Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), ro
   if (!last.why.empty())
     std::fprintf(stderr, "arm_controller: %s; where the joints were last seen is not known\n", last.why.c_str());
   clock_ = make_clock(flags, robot_);
-  bus_ = make_bus(flags, *clock_);
+  bus_ = make_bus(flags, robot_, *clock_);
   const bool is_emulated = flags.can.empty();
   const std::string bus = kind_of_bus(flags);
   files_ = std::make_unique<FileWriter>(flags.state, robot_, bus, text_of(flags.config), tape_);

@@ -36,10 +36,12 @@ std::int64_t clock_ns(clockid_t id) {
   return 1'000'000'000LL * t.tv_sec + t.tv_nsec;
 }
 
-/// Answers and samples of nodes 1 … 127, emergencies, heartbeats, and our own SYNC back.
+/// Answers and samples of nodes 1 … 127 (those of DAMIAO drives come as 1 … 126), emergencies, heartbeats, and our own
+/// SYNC back.
 void set_filters(int fd) {
   constexpr canid_t kAnyNode = CAN_EFF_FLAG | CAN_RTR_FLAG | (CAN_SFF_MASK & ~0x7Fu);
-  const std::array<can_filter, 5> filters{{{kSyncId, kAnyNode},
+  const std::array<can_filter, 6> filters{{{0x000, kAnyNode},
+                                           {kSyncId, kAnyNode},
                                            {kTpdo1Base, kAnyNode},
                                            {kSdoAnswerBase, kAnyNode},
                                            {kHeartbeatBase, kAnyNode},
@@ -53,11 +55,13 @@ class SocketCan final : public CanBus {
       : fd_(fd), name_("socketcan:" + interface), clock_(clock) {}
 
   SendResult send(const CanFrame& frame) noexcept override {
-    can_frame raw{};
+    canfd_frame raw{};  // the kernel tells the two by their size; they begin alike
     raw.can_id = frame.id;
-    raw.can_dlc = frame.size;
+    raw.len = frame.size;
+    if (frame.is_fd) raw.flags = CANFD_BRS;
     std::copy(frame.data.begin(), frame.data.end(), raw.data);
-    if (::write(fd_.get(), &raw, sizeof raw) == sizeof raw) return SendResult::kSent;
+    const std::size_t size = frame.is_fd ? CANFD_MTU : CAN_MTU;
+    if (::write(fd_.get(), &raw, size) == static_cast<ssize_t>(size)) return SendResult::kSent;
     ++errors_.send_failures;
     if (errno == ENOBUFS || errno == EAGAIN) return SendResult::kQueueFull;
     if (errno == ENODEV || errno == ENXIO) errors_.lost = true;
@@ -65,18 +69,20 @@ class SocketCan final : public CanBus {
   }
 
   bool receive(BusFrame& frame) noexcept override {
-    can_frame raw;
+    canfd_frame raw;
     Time time;
-    bool is_own = false;
-    while (read_one(raw, time, is_own)) {
+    bool is_own = false, is_fd = false;
+    while (read_one(raw, time, is_own, is_fd)) {
       if (raw.can_id & CAN_ERR_FLAG) {
         note_error(raw);
         continue;
       }
       if (raw.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) continue;  // nobody of ours speaks so
+      if (raw.len > 8) continue;
       frame.frame.id = raw.can_id & CAN_SFF_MASK;
-      frame.frame.size = std::min<std::uint8_t>(raw.can_dlc, 8);
-      std::copy(std::begin(raw.data), std::end(raw.data), frame.frame.data.begin());
+      frame.frame.size = raw.len;
+      frame.frame.is_fd = is_fd;
+      std::copy_n(raw.data, frame.frame.data.size(), frame.frame.data.begin());
       frame.time = time;
       frame.is_own_echo = is_own;
       return true;
@@ -96,8 +102,8 @@ class SocketCan final : public CanBus {
   int descriptor() const noexcept override { return fd_.get(); }
 
  private:
-  bool read_one(can_frame& raw, Time& time, bool& is_own) noexcept;
-  void note_error(const can_frame& raw) noexcept;
+  bool read_one(canfd_frame& raw, Time& time, bool& is_own, bool& is_fd) noexcept;
+  void note_error(const canfd_frame& raw) noexcept;
   void read_clocks() noexcept;
   Time own_time(const msghdr& message) noexcept;
 
@@ -111,7 +117,8 @@ class SocketCan final : public CanBus {
   std::int64_t wall_now_ns_ = 0;
 };
 
-bool SocketCan::read_one(can_frame& raw, Time& time, bool& is_own) noexcept {
+/// A classic frame fills the first 16 bytes of an FD one, error frames do on every socket.
+bool SocketCan::read_one(canfd_frame& raw, Time& time, bool& is_own, bool& is_fd) noexcept {
   alignas(cmsghdr) char control[256];
   iovec part{&raw, sizeof raw};
   msghdr message{};
@@ -121,7 +128,8 @@ bool SocketCan::read_one(can_frame& raw, Time& time, bool& is_own) noexcept {
   message.msg_controllen = sizeof control;
   const ssize_t size = ::recvmsg(fd_.get(), &message, MSG_DONTWAIT);
   if (size < 0 && (errno == ENETDOWN || errno == ENODEV)) errors_.lost = true;
-  if (size != static_cast<ssize_t>(sizeof raw)) return false;
+  if (size != static_cast<ssize_t>(CAN_MTU) && size != static_cast<ssize_t>(CANFD_MTU)) return false;
+  is_fd = size == static_cast<ssize_t>(CANFD_MTU);
   is_own = (message.msg_flags & MSG_CONFIRM) != 0;  // set by the kernel on frames of this very socket
   time = own_time(message);
   return true;
@@ -156,7 +164,7 @@ Time SocketCan::own_time(const msghdr& message) noexcept {
   return own_now_ - Duration{std::abs(age_ns) < kOldest_ns ? age_ns : 0};
 }
 
-void SocketCan::note_error(const can_frame& raw) noexcept {
+void SocketCan::note_error(const canfd_frame& raw) noexcept {
   ++errors_.error_frames;
   if (raw.can_id & CAN_ERR_BUSOFF) errors_.bus_off = true;
   if ((raw.can_id & CAN_ERR_CRTL) && (raw.data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)))
@@ -166,7 +174,8 @@ void SocketCan::note_error(const can_frame& raw) noexcept {
 
 }  // namespace
 
-std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock, CanHears hears) {
+std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock, CanHears hears,
+                                        bool speaks_fd) {
   const std::string what = "CAN interface '" + interface + "': ";
   if (interface.empty() || interface.size() >= IFNAMSIZ) throw BusError(what + "no name of a network interface");
   const int fd = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
@@ -179,6 +188,12 @@ std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock
   const int index = request.ifr_ifindex;
   if (::ioctl(fd, SIOCGIFFLAGS, &request) != 0) throw BusError(what + reason());
   if (!(request.ifr_flags & IFF_UP)) throw BusError(what + "it is down (ip link set " + interface + " up)");
+  if (::ioctl(fd, SIOCGIFMTU, &request) != 0) throw BusError(what + reason());
+  const bool knows_fd = request.ifr_mtu == static_cast<int>(CANFD_MTU);
+  if (speaks_fd && !knows_fd)
+    throw BusError(what + "a drive on it speaks CAN FD, the interface does not (ip link set " + interface + " mtu 72)");
+  if (knows_fd && (speaks_fd || hears == CanHears::kEverything))
+    set_option(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, int{1}, "CAN_RAW_FD_FRAMES");
   set_option(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, can_err_mask_t{CAN_ERR_MASK}, "CAN_RAW_ERR_FILTER");
   set_option(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, int{1}, "CAN_RAW_RECV_OWN_MSGS");
   set_option(fd, SOL_SOCKET, SO_TIMESTAMPNS, int{1}, "SO_TIMESTAMPNS");

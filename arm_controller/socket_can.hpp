@@ -19,8 +19,9 @@ class BusError : public std::runtime_error {
 /// What the kernel lets through: what concerns a controller, or everything (drives, listeners).
 enum class CanHears { kController, kEverything };
 
-/// "can0": opened raw, with error frames, our own frames seen back, non-blocking. Throws BusError.
+/// "can0": opened raw, with error frames, our own frames seen back, non-blocking; a controller takes
+/// CAN FD frames only where they are asked for, and then the interface must know them. Throws BusError.
 std::unique_ptr<CanBus> open_socket_can(const std::string& interface, net::Clock& clock,
-                                        CanHears hears = CanHears::kController);
+                                        CanHears hears = CanHears::kController, bool speaks_fd = false);
 
 }  // namespace armsight::arm

@@ -61,6 +61,7 @@ void TickRecording::write_frames(std::span<const TapeFrame> frames) {
     out.set_is_sent(kept.is_sent);
     out.set_is_own_echo(kept.frame.is_own_echo);
     out.set_bus(kept.frame.bus);
+    out.set_is_fd(kept.frame.frame.is_fd);
     out.set_send_result(static_cast<std::uint32_t>(kept.result));
     out.SerializeToString(&buffer_);
     writer_.write(can_, kept.frame.time, buffer_);

@@ -1,7 +1,6 @@
 #include "protocol/bus_budget.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -12,23 +11,32 @@ namespace {
 constexpr double kHeartbeat_s = 0.1;      // 0x1017 and our own
 constexpr double kSdoExchange_s = 0.05;   // 20 a second
 constexpr double kEmergency_s = 0.2;      // 5 a second
-constexpr int kWholePdo = 8, kHeartbeatSize = 1, kSyncSize = 1;
+constexpr int kWhole = 8, kHeartbeatSize = 1, kSyncSize = 1;
 constexpr double kLongestPeriod_s = 0.1, kShortestPeriod_s = 0.001;
 constexpr double kPeriodStep_s = 0.0001;  // the finer unit of 0x60C2
 constexpr double kRounding = 1e-9;
 
 struct Wire {
-  double bitrate_bit_s;
+  BusRates rates;
   double period_s;
 };
+
+/// A drive as the bus sees it.
+struct Talker {
+  std::uint8_t node = 0;
+  const MitConfig* mit = nullptr;  ///< of a DAMIAO drive
+};
+using Talkers = std::vector<Talker>;
 
 class Messages {
  public:
   explicit Messages(const Wire& wire) : wire_(wire) {}
 
-  void cyclic(const std::string& name, std::uint32_t id, int size) { add(name, id, size, wire_.period_s, true); }
-  void sporadic(const std::string& name, std::uint32_t id, int size, double period_s) {
-    add(name, id, size, period_s, false);
+  void cyclic(const std::string& name, std::uint32_t id, int size, bool is_fd = false) {
+    add(name, id, size, is_fd, wire_.period_s, true);
+  }
+  void sporadic(const std::string& name, std::uint32_t id, int size, double period_s, bool is_fd = false) {
+    add(name, id, size, is_fd, period_s, false);
   }
   std::vector<BusMessage> in_order() {
     std::ranges::stable_sort(all_, {}, &BusMessage::id);
@@ -36,28 +44,53 @@ class Messages {
   }
 
  private:
-  void add(const std::string& name, std::uint32_t id, int size, double period_s, bool is_cyclic) {
-    const int bits = worst_case_bits(size);
-    all_.push_back({name, id, bits, bits / wire_.bitrate_bit_s, period_s, is_cyclic, std::nullopt});
+  void add(const std::string& name, std::uint32_t id, int size, bool is_fd, double period_s, bool is_cyclic) {
+    const FdBits fd = worst_case_fd_bits(size);
+    const int bits = is_fd ? fd.arbitration + fd.data : worst_case_bits(size);
+    all_.push_back({name, id, bits, worst_case_s(size, is_fd, wire_.rates), period_s, is_cyclic, std::nullopt});
   }
   Wire wire_;
   std::vector<BusMessage> all_;
 };
 
-std::vector<BusMessage> messages_of(const std::vector<std::uint8_t>& nodes, const Wire& wire) {
-  Messages out(wire);
+// One of all nodes may be in trouble or be asked at a time: the allowance is the bus', whoever uses it.
+void add_canopen(Messages& out, const std::vector<std::uint8_t>& nodes) {
+  if (nodes.empty()) return;
   out.cyclic("SYNC", kSyncId, kSyncSize);
-  // One of all nodes may be in trouble or be asked at a time: the allowance is the bus', whoever uses it.
-  out.sporadic("EMCY, any node", kEmcyBase + nodes.front(), 8, kEmergency_s);
-  out.sporadic("SDO answer, any node", kSdoAnswerBase + nodes.front(), 8, kSdoExchange_s);
-  out.sporadic("SDO request, any node", kSdoRequestBase + nodes.front(), 8, kSdoExchange_s);
+  out.sporadic("EMCY, any node", kEmcyBase + nodes.front(), kWhole, kEmergency_s);
+  out.sporadic("SDO answer, any node", kSdoAnswerBase + nodes.front(), kWhole, kSdoExchange_s);
+  out.sporadic("SDO request, any node", kSdoRequestBase + nodes.front(), kWhole, kSdoExchange_s);
   for (const std::uint8_t node : nodes) {
     const std::string of = " of node " + std::to_string(node);
-    out.cyclic("TPDO1" + of, kTpdo1Base + node, kWholePdo);
-    out.cyclic("RPDO1" + of, kRpdo1Base + node, kWholePdo);
+    out.cyclic("TPDO1" + of, kTpdo1Base + node, kWhole);
+    out.cyclic("RPDO1" + of, kRpdo1Base + node, kWhole);
     out.sporadic("heartbeat" + of, kHeartbeatBase + node, kHeartbeatSize, kHeartbeat_s);
   }
   out.sporadic("heartbeat of the controller", kHeartbeatBase + kControllerNode, kHeartbeatSize, kHeartbeat_s);
+}
+
+void add_damiao(Messages& out, const Talkers& motors) {
+  for (const Talker& motor : motors) {
+    const std::string of = " of motor " + std::to_string(motor.node);
+    out.cyclic("command" + of, motor.node, kWhole, motor.mit->is_fd);
+    out.cyclic("sample" + of, motor.mit->reply_id, kWhole, motor.mit->is_fd);
+  }
+  if (motors.empty()) return;
+  const MitConfig& first = *motors.front().mit;
+  out.sporadic("register answer, any motor", first.reply_id, kWhole, kSdoExchange_s, first.is_fd);
+  out.sporadic("register request, any motor", kMitRegisterId, kWhole, kSdoExchange_s, first.is_fd);
+}
+
+std::vector<BusMessage> messages_of(const Talkers& talkers, const Wire& wire) {
+  std::vector<std::uint8_t> nodes;
+  Talkers motors;
+  for (const Talker& talker : talkers) {
+    if (talker.mit == nullptr) nodes.push_back(talker.node);
+    else motors.push_back(talker);
+  }
+  Messages out(wire);
+  add_canopen(out, nodes);
+  add_damiao(out, motors);
   return out.in_order();
 }
 
@@ -87,11 +120,11 @@ double fixed_point(double begin, Next&& next) {
   }
 }
 
-BusBudget budget_of(int bus, const std::vector<std::uint8_t>& nodes, const Wire& wire) {
+BusBudget budget_of(int bus, const Talkers& talkers, const Wire& wire) {
   BusBudget out;
   out.bus = bus;
-  out.node_count = static_cast<int>(nodes.size());
-  out.messages = messages_of(nodes, wire);
+  out.node_count = static_cast<int>(talkers.size());
+  out.messages = messages_of(talkers, wire);
   for (const BusMessage& message : out.messages) {
     out.load += message.wire_s / message.period_s;
     if (message.is_cyclic) out.cycle_s += message.wire_s;
@@ -99,26 +132,26 @@ BusBudget budget_of(int bus, const std::vector<std::uint8_t>& nodes, const Wire&
   return out;
 }
 
-std::vector<std::uint8_t> nodes_on(const RobotConfig& robot, int bus) {
-  std::vector<std::uint8_t> nodes;
+Talkers talkers_on(const RobotConfig& robot, int bus) {
+  Talkers out;
   for (const DriveConfig& drive : robot.drives)
-    if (drive.bus == bus) nodes.push_back(drive.node);
-  if (robot.hand.bus == bus) nodes.push_back(robot.hand.node);
-  return nodes;
+    if (drive.bus == bus) out.push_back({drive.node, drive.family == DriveFamily::kDamiao ? &drive.mit : nullptr});
+  if (robot.hand.bus == bus) out.push_back({robot.hand.node});
+  return out;
 }
 
-std::vector<std::uint8_t> all_nodes(const RobotConfig& robot) {
-  std::vector<std::uint8_t> nodes;
+Talkers all_talkers(const RobotConfig& robot) {
+  Talkers out;
   for (int bus = 0; bus < robot.bus_count(); ++bus)
-    for (const std::uint8_t node : nodes_on(robot, bus)) nodes.push_back(node);
-  return nodes;
+    for (const Talker& talker : talkers_on(robot, bus)) out.push_back(talker);
+  return out;
 }
 
 /// Loads alone: the latest responses are worth their time only for people.
 std::vector<BusBudget> loads_of(const RobotConfig& robot, double period_s) {
   std::vector<BusBudget> out;
   for (int bus = 0; bus < robot.bus_count(); ++bus)
-    out.push_back(budget_of(bus, nodes_on(robot, bus), {robot.controller.bus_bitrate_bit_s, period_s}));
+    out.push_back(budget_of(bus, talkers_on(robot, bus), {bus_rates(robot), period_s}));
   return out;
 }
 
@@ -148,40 +181,6 @@ std::optional<double> latest_response_s(const std::vector<BusMessage>& messages,
   return latest;
 }
 
-int stuffed_bits(const CanFrame& frame) noexcept {
-  constexpr int kHead = 19, kCrcBits = 15, kTail = 13;  // tail: both delimiters, acknowledge, end, space; unstuffed
-  std::array<bool, kHead + 64 + kCrcBits> bits{};
-  int count = 0;
-  std::uint16_t crc = 0;
-  const auto put = [&](bool bit) { bits[static_cast<std::size_t>(count++)] = bit; };
-  const auto put_all = [&](std::uint32_t value, int width) {
-    for (int i = width - 1; i >= 0; --i) put((value >> i & 1) != 0);
-  };
-  put_all(0, 1);              // start of frame
-  put_all(frame.id, 11);
-  put_all(0, 3);              // data frame, 11-bit identifier, reserved
-  put_all(frame.size, 4);
-  for (int i = 0; i < frame.size; ++i) put_all(frame.data[static_cast<std::size_t>(i)], 8);
-  for (int i = 0; i < count; ++i) {
-    const bool differs = bits[static_cast<std::size_t>(i)] != ((crc >> 14 & 1) != 0);
-    crc = static_cast<std::uint16_t>(crc << 1 & 0x7FFF);
-    if (differs) crc ^= 0x4599;
-  }
-  put_all(crc, kCrcBits);
-  int stuffed = 0, run = 0;
-  bool last = true;           // the bus was idle
-  for (int i = 0; i < count; ++i) {
-    const bool bit = bits[static_cast<std::size_t>(i)];
-    run = bit == last && i > 0 ? run + 1 : 1;
-    last = bit;
-    if (run < 5) continue;
-    ++stuffed;                // the opposite bit follows and begins the next run
-    last = !bit;
-    run = 1;
-  }
-  return count + stuffed + kTail;
-}
-
 std::vector<BusBudget> bus_budgets(const RobotConfig& robot, double period_s) {
   std::vector<BusBudget> out = loads_of(robot, period_s);
   const double bit_s = 1.0 / robot.controller.bus_bitrate_bit_s;
@@ -209,12 +208,16 @@ std::optional<double> shortest_period_s(const RobotConfig& robot) {
 }
 
 std::optional<int> buses_needed(const RobotConfig& robot, double period_s) {
-  const std::vector<std::uint8_t> nodes = all_nodes(robot);
-  for (std::size_t buses = 1; buses <= nodes.size(); ++buses) {
-    const std::size_t most = (nodes.size() + buses - 1) / buses;  // on the fullest
-    const std::vector<std::uint8_t> share(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(most));
-    const BusBudget fullest = budget_of(0, share, {robot.controller.bus_bitrate_bit_s, period_s});
-    if (fullest.load <= robot.controller.bus_load_limit) return static_cast<int>(buses);
+  const Talkers all = all_talkers(robot);
+  for (std::size_t buses = 1; buses <= all.size(); ++buses) {
+    // Each takes every so-manieth: of every family its share.
+    double fullest = 0.0;
+    for (std::size_t first = 0; first < buses; ++first) {
+      Talkers share;
+      for (std::size_t i = first; i < all.size(); i += buses) share.push_back(all[i]);
+      fullest = std::max(fullest, budget_of(0, share, {bus_rates(robot), period_s}).load);
+    }
+    if (fullest <= robot.controller.bus_load_limit) return static_cast<int>(buses);
   }
   return std::nullopt;
 }

@@ -16,9 +16,6 @@
 
 namespace armsight {
 
-/// Bits of this very frame on the wire, from start of frame to the end of the space after it, its stuffing counted.
-int stuffed_bits(const CanFrame& frame) noexcept;
-
 /// One message of a bus: never more often than once a period.
 struct BusMessage {
   std::string name;               ///< "TPDO1 of node 3"

@@ -11,17 +11,22 @@
 
 namespace armsight {
 
+/// Bits of this very classic frame on the wire, from start of frame to the end of the space after it, its stuffing
+/// counted.
+int stuffed_bits(const CanFrame& frame) noexcept;
+
 struct SeenMessage {
   std::uint64_t count = 0;
-  std::int64_t bits = 0;             ///< of all, as they were, stuffing counted
-  std::int64_t worst_case_bits = 0;  ///< of all, had each been stuffed as often as its size allows
+  std::int64_t bits = 0;            ///< of all, as they were, stuffing counted; CAN FD frames at their longest
   int most_bits = 0;
+  double wire_s = 0.0;              ///< of all, the same in time
+  double worst_case_s = 0.0;        ///< of all, had each been stuffed as often as its size allows
   std::optional<double> latest_s;    ///< its end after the last SYNC began; nullopt: there was no SYNC before
 };
 
 class BusTraffic {
  public:
-  explicit BusTraffic(double bitrate_bit_s) : bitrate_bit_s_(bitrate_bit_s) {}
+  explicit BusTraffic(const BusRates& rates) : rates_(rates) {}
 
   /// In order of time.
   void add(const CanFrame& frame, Time end);
@@ -35,12 +40,11 @@ class BusTraffic {
   double highest_load() const { return highest_load_; }
 
  private:
-  double share(std::int64_t bits, double duration_s) const;
-
-  double bitrate_bit_s_;
+  BusRates rates_;
   std::map<std::uint32_t, SeenMessage> messages_;
   std::optional<Time> first_, last_, sync_begin_;
-  std::int64_t window_ = 0, window_bits_ = 0;
+  std::int64_t window_ = 0;
+  double window_s_ = 0.0;
   double highest_load_ = 0.0;
 };
 

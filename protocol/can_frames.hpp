@@ -8,11 +8,12 @@
 
 namespace armsight {
 
-/// A classic CAN 2.0 data frame with an 11-bit identifier.
+/// A CAN 2.0 data frame with an 11-bit identifier; or one of CAN FD with its bit rate switched and no more data.
 struct CanFrame {
   std::uint32_t id = 0;
   std::uint8_t size = 0;  ///< 0 … 8
   std::array<std::uint8_t, 8> data{};
+  bool is_fd = false;
 
   friend bool operator==(const CanFrame&, const CanFrame&) = default;
 };
@@ -88,5 +89,27 @@ inline constexpr std::uint16_t kShutdown = 0x06, kSwitchOn = 0x07, kEnableOperat
 
 /// Worst-case bits on the wire of a frame with `size` data bytes, stuffing included (controller.md §3.2).
 constexpr int worst_case_bits(int size) noexcept { return 8 * size + 47 + (34 + 8 * size - 1) / 4; }
+
+/// The same of a CAN FD frame of up to 16 bytes: bits at the arbitration's rate, and at the data's.
+struct FdBits {
+  int arbitration, data;
+};
+constexpr FdBits worst_case_fd_bits(int size) noexcept {
+  constexpr int kHead = 17, kTail = 13;   // up to the switch of the rate; from the CRC's delimiter on
+  constexpr int kCheck = 4 + 17 + 6;      // stuff count, CRC, their fixed stuff bits
+  const int stuffable = kHead + 5 + 8 * size, stuffed_head = (kHead - 1) / 4;
+  return {kHead + stuffed_head + kTail, 5 + 8 * size + kCheck + (stuffable - 1) / 4 - stuffed_head};
+}
+
+/// Bit rates of a bus; classic frames know the first alone.
+struct BusRates {
+  double bitrate_bit_s = 1e6, data_bitrate_bit_s = 5e6;
+};
+/// Longest time on the wire.
+constexpr double worst_case_s(int size, bool is_fd, const BusRates& rates) noexcept {
+  if (!is_fd) return worst_case_bits(size) / rates.bitrate_bit_s;
+  const FdBits bits = worst_case_fd_bits(size);
+  return bits.arbitration / rates.bitrate_bit_s + bits.data / rates.data_bitrate_bit_s;
+}
 
 }  // namespace armsight

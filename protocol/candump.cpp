@@ -9,6 +9,7 @@ namespace armsight {
 namespace {
 
 constexpr std::uint32_t kErrorFlag = 0x20000000, kErrorMask = 0x1FFFFFFF, kMaxStandardId = 0x7FF;
+constexpr std::uint32_t kSwitchesRate = 1;  // CAN FD flags: the bit rate switch
 constexpr std::size_t kMaxInterfaceName = 15;  // IFNAMSIZ of Linux
 constexpr std::int64_t kMaxSeconds = 9'000'000'000;  // 9e18 ns still fit
 
@@ -41,7 +42,13 @@ std::string parse_frame(std::string_view text, CandumpLine& line) {
   const std::size_t hash = text.find('#');
   if (hash == std::string_view::npos) return "no '#' between identifier and data";
   std::string_view data = text.substr(hash + 1);
-  if (data.starts_with('#')) return "CAN FD frame: this arm's bus is classic CAN";
+  if (data.starts_with('#')) {  // CAN FD: a digit of flags before the data
+    std::uint32_t flags = 0;
+    if (data.size() < 2 || !parse_all(data.substr(1, 1), flags, 16)) return "a CAN FD frame needs its flags after '##'";
+    if (data.size() > 2 + 16) return "CAN FD frame of more than 8 bytes: this arm uses none";
+    line.frame.is_fd = true;
+    data.remove_prefix(2);
+  }
   if (data.starts_with('R') || data.starts_with('r')) return "remote frame: this arm uses none";
   std::uint32_t id = 0;
   if ((hash != 3 && hash != 8) || !parse_all(text.substr(0, hash), id, 16))
@@ -63,6 +70,7 @@ std::string to_candump(const CandumpLine& line) {
                 static_cast<long long>(time_us % 1'000'000));
   std::string out = head + line.interface;
   if (line.is_error_frame) std::snprintf(head, sizeof head, " %08X#", (line.frame.id & kErrorMask) | kErrorFlag);
+  else if (line.frame.is_fd) std::snprintf(head, sizeof head, " %03X##%X", line.frame.id & kMaxStandardId, kSwitchesRate);
   else std::snprintf(head, sizeof head, " %03X#", line.frame.id & kMaxStandardId);
   out += head;
   for (std::size_t i = 0; i < std::min<std::size_t>(line.frame.size, 8); ++i) {

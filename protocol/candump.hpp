@@ -25,7 +25,7 @@ struct CandumpResult {
   std::optional<CandumpLine> line;
   std::string why;  ///< if there is none: what was wrong, e.g. "29-bit identifier: this arm uses 11 bits"
 };
-/// Refuses what is not a classic 11-bit data frame or an error frame: remote frames, FD, 29 bits, broken text.
+/// Refuses what is not an 11-bit data frame of up to 8 bytes or an error frame: remote frames, 29 bits, broken text.
 CandumpResult parse_candump(std::string_view text);
 
 }  // namespace armsight

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "protocol/config_drive.hpp"
 #include "protocol/config_soft.hpp"
 #include "protocol/config_values.hpp"
 
@@ -13,6 +14,7 @@ namespace armsight {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kDataBitrate_bit_s = 5e6;
 constexpr double kBusLoadLimit = 0.9;  // the rest is for frames sent again (controller.md §3.2)
 
 DhRow read_dh(const YamlValue& dh) {
@@ -38,18 +40,6 @@ Pose read_link(const YamlValue& joint) {
   return dh.exists() ? dh_transform(read_dh(dh)) : read_frame(frame);
 }
 
-/// Node ids of joints and hand must differ; 127 is the controller's own.
-std::uint8_t read_node(const YamlValue& node, std::set<std::int64_t>& taken) {
-  const auto id = node.valid_integer(1, 126);
-  if (id && !taken.insert(*id).second) node.refuse("node id is already taken");
-  return static_cast<std::uint8_t>(id.value_or(0));
-}
-
-std::uint8_t read_bus(const YamlValue& drive) {
-  const YamlValue bus = drive.optional_key("bus");
-  return bus.exists() ? static_cast<std::uint8_t>(bus.integer(0, kMaxBuses - 1)) : std::uint8_t{0};
-}
-
 /// Bus 1 alone would be bus 0.
 void check_buses(const YamlValue& root, const RobotConfig& robot) {
   for (int bus = 0; bus < robot.bus_count(); ++bus) {
@@ -57,35 +47,6 @@ void check_buses(const YamlValue& root, const RobotConfig& robot) {
     if (robot.hand.bus == bus || std::ranges::any_of(robot.drives, is_here)) continue;
     root.key("joints").refuse("no drive is on bus " + std::to_string(bus) + ", though one is on a higher one");
   }
-}
-
-/// `second` beside cyclic position; csp is the default.
-DriveMode read_mode(const YamlValue& mode, const char* name, DriveMode second) {
-  if (!mode.exists()) return DriveMode::kCyclicPosition;
-  const std::string text = mode.text();
-  if (text == name) return second;
-  if (text != "csp") mode.refuse(std::string("must be csp or ") + name);
-  return DriveMode::kCyclicPosition;
-}
-
-/// farthest_rad: of the joint's limits. Set-points and samples travel as 32-bit counts.
-DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& nodes, double farthest_rad) {
-  DriveConfig out;
-  out.node = read_node(drive.key("node"), nodes);
-  out.bus = read_bus(drive);
-  const YamlValue counts = drive.key("counts_per_turn");
-  out.counts_per_turn = counts.positive(2147483647);
-  const YamlValue sign = drive.key("sign");
-  out.sign = static_cast<int>(sign.integer(-1, 1));
-  if (out.sign == 0) sign.refuse("must be 1 or -1");
-  out.zero_rad = drive.key("zero_rad").number(-2 * kPi, 2 * kPi);
-  out.mode = read_mode(drive.optional_key("mode"), "csv", DriveMode::kCyclicVelocity);
-  const YamlValue homing = drive.optional_key("homing_method");
-  if (homing.exists()) out.homing_method = static_cast<std::uint8_t>(homing.integer(35, 37));
-  if (out.homing_method == 36) homing.refuse("must be 35 or 37");
-  const double most_counts = (farthest_rad + std::abs(out.zero_rad)) * out.counts_per_turn / (2 * kPi);
-  if (most_counts >= 2147483648.0) counts.refuse("limits and zero_rad are beyond 32-bit counts");
-  return out;
 }
 
 void read_limits(const YamlValue& joint, Eigen::Index i, JointLimits& limits) {
@@ -124,18 +85,6 @@ void read_joints(const YamlValue& root, std::set<std::int64_t>& nodes, RobotConf
   }
 }
 
-HandConfig read_hand(const YamlValue& hand, std::set<std::int64_t>& nodes) {
-  HandConfig out;
-  out.node = read_node(hand.key("node"), nodes);
-  out.bus = read_bus(hand);
-  out.open_counts = static_cast<int>(hand.key("open_counts").integer(-2147483647, 2147483647));
-  const YamlValue closed = hand.key("closed_counts");
-  out.closed_counts = static_cast<int>(closed.integer(-2147483647, 2147483647));
-  if (closed.exists() && out.closed_counts == out.open_counts) closed.refuse("must differ from open_counts");
-  out.mode = read_mode(hand.optional_key("mode"), "profile_position", DriveMode::kProfilePosition);
-  return out;
-}
-
 MarkerConfig read_marker(const YamlValue& marker) {
   MarkerConfig out;
   const YamlValue dictionary = marker.key("dictionary"), id = marker.key("id");
@@ -164,7 +113,8 @@ ControllerConfig read_controller(const YamlValue& c) {
   out.heartbeat_s = c.key("heartbeat_s").number(0.02, 5);
   out.look_time_bound_s = c.key("look_time_bound_s").positive(1);
   out.look_max_speed_rad_s = c.key("look_max_speed_rad_s").positive(20);
-  const YamlValue load = c.optional_key("bus_load_limit");
+  const YamlValue data_rate = c.optional_key("bus_data_bitrate_bit_s"), load = c.optional_key("bus_load_limit");
+  out.bus_data_bitrate_bit_s = data_rate.exists() ? data_rate.number(100000, 8000000) : kDataBitrate_bit_s;
   out.bus_load_limit = load.exists() ? load.positive(1) : kBusLoadLimit;
   return out;
 }
@@ -234,6 +184,10 @@ int RobotConfig::bus_count() const {
   return highest + 1;
 }
 
+bool RobotConfig::has_fd_drive(int bus) const {
+  return std::ranges::any_of(drives, [bus](const DriveConfig& drive) { return drive.bus == bus && drive.mit.is_fd; });
+}
+
 RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   const StrictYaml yaml = StrictYaml::parse(text, file_name);
   const YamlValue root = yaml.root();
@@ -257,6 +211,10 @@ RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   if (const YamlValue postures = root.optional_key("postures"); postures.exists()) read_postures(postures, out);
   yaml.finish();
   return out;
+}
+
+BusRates bus_rates(const RobotConfig& robot) {
+  return {robot.controller.bus_bitrate_bit_s, robot.controller.bus_data_bitrate_bit_s};
 }
 
 RobotConfig load_robot(const std::filesystem::path& file) { return parse_robot(read_text_file(file), file.string()); }

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "protocol/config_error.hpp"
+#include "protocol/drive_family.hpp"
+#include "protocol/mit_frames.hpp"
 #include "shared/arm_model.hpp"
 #include "shared/joint_offset_ekf.hpp"
 #include "shared/soft_joints.hpp"
@@ -22,11 +24,21 @@ enum class DriveMode : std::uint8_t { kProfilePosition = 1, kHoming = 6, kCyclic
 
 inline constexpr int kMaxBuses = 4;
 
+/// Of a DAMIAO drive alone.
+struct MitConfig {
+  std::uint8_t reply_id = 0;  ///< its master id: the identifier of its samples
+  MitRanges ranges;
+  double kp_Nm_rad = 0.0, kd_Nms_rad = 0.0;
+  bool is_fd = false;
+};
+
 /// q = sign · 2π · counts / counts_per_turn + zero_rad.
 struct DriveConfig {
   std::uint8_t node = 0;
   std::uint8_t bus = 0;                         ///< which of the arm's CAN buses
-  double counts_per_turn = 0;
+  DriveFamily family = DriveFamily::kCanopen;
+  MitConfig mit;
+  double counts_per_turn = 0;                   ///< DAMIAO: of the position's 16-bit code
   int sign = 1;
   double zero_rad = 0.0;
   DriveMode mode = DriveMode::kCyclicPosition;  ///< or kCyclicVelocity: 0x60FF, counts/s
@@ -49,6 +61,7 @@ struct MarkerConfig {
 
 struct ControllerConfig {
   double period_s, bus_bitrate_bit_s;
+  double bus_data_bitrate_bit_s;  ///< of CAN FD frames
   double still_speed_rad_s, still_time_s;
   double goal_tolerance_rad;
   double lease_s, rpdo_deadline_s, heartbeat_s;
@@ -82,9 +95,13 @@ struct RobotConfig {
   EkfOptions filter;
   /// Buses that drives and hand are on: 0 … bus_count() - 1, none left out.
   int bus_count() const;
+  /// Some drive on that bus speaks CAN FD.
+  bool has_fd_drive(int bus) const;
 
   std::map<std::string, JointVector> postures;  ///< named, real angles, inside the limits
 };
+
+BusRates bus_rates(const RobotConfig& robot);
 
 /// Throws ConfigError.
 RobotConfig load_robot(const std::filesystem::path& file);

@@ -33,7 +33,7 @@ struct Seen {
 using SeenBuses = std::vector<Seen>;
 
 /// The interfaces of a log, in order of their names, are bus 0, bus 1 …
-SeenBuses read_log(const std::string& file, double bitrate_bit_s) {
+SeenBuses read_log(const std::string& file, const BusRates& rates) {
   std::ifstream in(file);
   if (!in) throw ConfigError(file + ": cannot be read");
   SeenBuses out;
@@ -45,7 +45,7 @@ SeenBuses read_log(const std::string& file, double bitrate_bit_s) {
     if (result.line->is_error_frame) continue;
     const std::string& name = result.line->interface;
     auto bus = std::ranges::find(out, name, &Seen::name);
-    if (bus == out.end()) bus = out.insert(out.end(), {name, BusTraffic(bitrate_bit_s)});
+    if (bus == out.end()) bus = out.insert(out.end(), {name, BusTraffic(rates)});
     bus->traffic.add(result.line->frame, result.line->time);
   }
   if (out.empty()) throw ConfigError(file + ": holds no frame");
@@ -53,9 +53,9 @@ SeenBuses read_log(const std::string& file, double bitrate_bit_s) {
   return out;
 }
 
-Seen listen_to_emulated(const std::string& path, double seconds, double bitrate_bit_s) {
+Seen listen_to_emulated(const std::string& path, double seconds, const BusRates& rates) {
   arm::BusObserver bus(path);
-  Seen out{"emulated:" + path, BusTraffic(bitrate_bit_s)};
+  Seen out{"emulated:" + path, BusTraffic(rates)};
   arm::BusFrame frame;
   const auto end = std::chrono::steady_clock::now() + seconds_to_duration(seconds);
   while (is_stopping == 0 && std::chrono::steady_clock::now() < end) {
@@ -65,11 +65,11 @@ Seen listen_to_emulated(const std::string& path, double seconds, double bitrate_
   return out;
 }
 
-Seen listen_to_interface(const std::string& name, double seconds, double bitrate_bit_s) {
+Seen listen_to_interface(const std::string& name, double seconds, const BusRates& rates) {
   const auto clock = net::make_monotonic_clock(std::chrono::milliseconds(1));
   const auto bus = arm::open_socket_can(name, *clock, arm::CanHears::kEverything);
   const std::vector<int> descriptor{bus->descriptor()};
-  Seen out{name, BusTraffic(bitrate_bit_s)};
+  Seen out{name, BusTraffic(rates)};
   arm::BusFrame frame;
   const Time end = clock->now() + seconds_to_duration(seconds);
   while (is_stopping == 0 && clock->now() < end) {
@@ -212,12 +212,12 @@ int main(int argc, char** argv) {
     if (rate_hz) robot.controller.period_s = 1.0 / *rate_hz;
     if (const char* rule = broken_period_rule(robot.controller.period_s))
       throw ConfigError("--rate " + std::to_string(*rate_hz) + ": the period " + rule);
-    const double bitrate = robot.controller.bus_bitrate_bit_s;
+    const BusRates rates = bus_rates(robot);
     SeenBuses seen;
-    if (!log.empty()) seen = read_log(log, bitrate);
+    if (!log.empty()) seen = read_log(log, rates);
     const double each_s = seconds.value_or(5.0);
-    for (const std::string& bus : buses) seen.push_back(listen_to_emulated(bus.substr(prefix.size()), each_s, bitrate));
-    for (const std::string& name : interfaces) seen.push_back(listen_to_interface(name, each_s, bitrate));
+    for (const std::string& bus : buses) seen.push_back(listen_to_emulated(bus.substr(prefix.size()), each_s, rates));
+    for (const std::string& name : interfaces) seen.push_back(listen_to_interface(name, each_s, rates));
     return run(robot, seen);
   } catch (const ConfigError& error) {
     std::fprintf(stderr, "can_budget: %s\n", error.what());

@@ -36,6 +36,15 @@ TEST(BusBudget, LongestFramesAreThoseOfTheLiterature) {
   for (int size = 0; size <= 8; ++size) EXPECT_EQ(worst_case_bits(size), expected[size]) << size;
 }
 
+// controller.md §3.2, arbitration at 1 Mbit/s, data at 5: 8 bytes 56.6 us, 12 64.6, 16 72.6.
+TEST(BusBudget, LongestFdFramesAreThoseOfTheTable) {
+  const BusRates rates{1e6, 5e6};
+  EXPECT_NEAR(1e6 * worst_case_s(8, true, rates), 56.6, 1e-9);
+  EXPECT_NEAR(1e6 * worst_case_s(12, true, rates), 64.6, 1e-9);
+  EXPECT_NEAR(1e6 * worst_case_s(16, true, rates), 72.6, 1e-9);
+  EXPECT_NEAR(1e6 * worst_case_s(8, false, rates), 135.0, 1e-9);
+}
+
 // Drawn bit by bit with a program of its own: head, data, CRC 0x4599, the other bit after every five equal ones.
 TEST(BusBudget, StuffingIsCountedBitByBit) {
   const auto bits = [](std::uint32_t id, std::initializer_list<std::uint8_t> data) {
@@ -130,6 +139,24 @@ TEST(BusBudget, NamesTheRateThatFitsAndTheBusesThatARateNeeds) {
   EXPECT_NEAR(highest_load(bus_budgets(three_nodes(0.001))), 0.883675, 1e-12);
 }
 
+/// Six motors and no other traffic, as the table has it; the hand stays a CANopen node.
+RobotConfig damiao_nodes(bool is_fd) {
+  RobotConfig robot = six_nodes(0.001);
+  for (DriveConfig& drive : robot.drives) {
+    drive.family = DriveFamily::kDamiao;
+    drive.mit.reply_id = static_cast<std::uint8_t>(0x10 + drive.node);
+    drive.mit.is_fd = is_fd;
+  }
+  return robot;
+}
+
+// Five motors: 5 · (135 + 135) us classic, 5 · 2 · 56.6 us FD; the hand: SYNC 65, 135 + 135; both families' background.
+TEST(BusBudget, DamiaoDrivesClassicAndFd) {
+  const double hand = 1000 * (65 + 270) + 2 * 650 + 5400 + 675;
+  EXPECT_NEAR(highest_load(bus_budgets(damiao_nodes(false))), 1e-6 * (1000 * 5 * 270 + 20 * 270 + hand), 1e-9);
+  EXPECT_NEAR(highest_load(bus_budgets(damiao_nodes(true))), 1e-6 * (1000 * 10 * 56.6 + 40 * 56.6 + hand), 1e-9);
+}
+
 TEST(BusBudget, TheLimitIsTheRobotFiles) {
   RobotConfig robot = six_nodes(0.002);
   robot.controller.bus_load_limit = 0.8;
@@ -142,7 +169,7 @@ TEST(BusBudget, TheLimitIsTheRobotFiles) {
 
 // One cycle of 4 ms, three times: SYNC ends after 59 us, an answer 118 us later.
 TEST(BusTraffic, CountsWhatWasThere) {
-  BusTraffic traffic(1e6);
+  BusTraffic traffic(BusRates{});
   for (int k = 0; k <= 250; ++k) {
     const Time begin = time_from_ns(4'000'000 * k);
     traffic.add(encode(Sync{1}), begin + 59us);

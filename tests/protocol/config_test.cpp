@@ -54,6 +54,49 @@ TEST(RobotFile, NamesPlaceKeyValueAndRule) {
             "robot.yaml:48:13: controller.period_s = -1: must be between 0.001 and 0.1");
 }
 
+constexpr const char* kElbowDrive = "{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0}";
+
+TEST(RobotFile, TakesASecondBus) {
+  EXPECT_EQ(load_robot(ARMSIGHT_ROBOT_FILE).bus_count(), 1);
+  const RobotConfig robot = parse_robot(with("{node: 6, open", "{bus: 1, node: 6, open"), "robot.yaml");
+  EXPECT_EQ(robot.bus_count(), 2);
+  EXPECT_EQ(robot.hand.bus, 1);
+  EXPECT_EQ(model_hash(robot), model_hash(load_robot(ARMSIGHT_ROBOT_FILE))) << "which wire it is changes no model";
+  expect_complaint("{node: 6, open_counts", "{bus: 2, node: 6, open_counts",
+                   "joints: no drive is on bus 1, though one is on a higher one");
+}
+
+std::string damiao(const std::string& rest) {
+  return "{family: damiao, node: 4, reply_id: 20, speed_range_rad_s: 10, torque_range_Nm: 28, kp_Nm_rad: 80, "
+         "sign: 1, zero_rad: 0, " + rest + "}";
+}
+
+TEST(RobotFile, TakesADamiaoDrive) {
+  const std::string text = with(kElbowDrive, damiao("position_range_rad: 12.5, kd_Nms_rad: 2, fd: true"));
+  const RobotConfig robot = parse_robot(text, "robot.yaml");
+  EXPECT_EQ(robot.drives[3].family, DriveFamily::kDamiao);
+  EXPECT_EQ(robot.drives[3].mit.reply_id, 20);
+  EXPECT_EQ(robot.drives[3].mit.ranges.torque_Nm, 28.0);
+  EXPECT_NEAR(robot.drives[3].counts_per_turn, 16470.7, 0.1) << "65535 codes over 25 rad";
+  EXPECT_TRUE(robot.has_fd_drive(0));
+  EXPECT_EQ(robot.drives[2].family, DriveFamily::kCanopen);
+}
+
+TEST(RobotFile, RefusesADamiaoDriveThatWouldMisbehave) {
+  expect_complaint(kElbowDrive, damiao("position_range_rad: 12.5, kd_Nms_rad: 0"),
+                   "kd_Nms_rad = 0: must be > 0: stiffness without damping swings");
+  expect_complaint(kElbowDrive, damiao("position_range_rad: 8, kd_Nms_rad: 2"),
+                   "position_range_rad = 8: must reach a turn beyond the limits and zero_rad: the drive wakes up "
+                   "within one turn");
+  expect_complaint(kElbowDrive, damiao("position_range_rad: 12.5, kd_Nms_rad: 2, mode: csv"),
+                   "joints[3].drive.mode: unknown key");
+  std::string taken = damiao("position_range_rad: 12.5, kd_Nms_rad: 2");
+  taken.replace(taken.find("reply_id: 20"), 12, "reply_id: 6");
+  expect_complaint(kElbowDrive, taken, "hand.node = 6: node id is already taken");
+  taken.replace(taken.find("reply_id: 6"), 11, "reply_id: 0");
+  expect_complaint(kElbowDrive, taken, "reply_id = 0: must be between 1 and 126");
+}
+
 TEST(RobotFile, ListsAllViolationsInTheOrderOfTheFile) {
   std::string text = with("period_s: 0.004", "period_s: 4");
   text.replace(text.find("robot: ego_right_arm"), 20, "robots: ego_right_arm");

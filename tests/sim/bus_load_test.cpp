@@ -22,7 +22,7 @@ TEST_P(BusLoad, OfTheMovingArmIsWhatWasPredicted) {
   ASSERT_TRUE(arm.power_up());
   const auto two_s = static_cast<int>(2.0 / period_s);
   arm.move_to(arm.state.q_reading_rad + JointVector::Constant(5, 0.5));
-  BusTraffic traffic(arm.robot.controller.bus_bitrate_bit_s);
+  BusTraffic traffic(bus_rates(arm.robot));
   arm.watch([&](std::size_t, const CanFrame& frame, Time end) { traffic.add(frame, end); });
   const JointVector before = arm.state.q_reading_rad;
   arm.cycles(two_s);

@@ -22,7 +22,7 @@ TEST(TwoBuses, CarryAMotionAtOneKilohertz) {
   ClosedLoop arm(two_bus_robot(0.001));
   ASSERT_EQ(broken_load_rule(arm.robot), "");
   ASSERT_TRUE(arm.power_up());
-  std::vector<BusTraffic> traffic(2, BusTraffic(arm.robot.controller.bus_bitrate_bit_s));
+  std::vector<BusTraffic> traffic(2, BusTraffic(bus_rates(arm.robot)));
   arm.watch([&](std::size_t bus, const CanFrame& frame, Time end) { traffic[bus].add(frame, end); });
   const JointVector goal = arm.state.q_reading_rad + JointVector::Constant(5, 0.3);
   arm.move_to(goal);

@@ -14,8 +14,7 @@ constexpr int kPassiveAbove = 127, kOffAbove = 255;
 
 }  // namespace
 
-BusModel::BusModel(double bitrate_bit_s, std::size_t queue_frames)
-    : bitrate_bit_s_(bitrate_bit_s), queue_frames_(queue_frames) {}
+BusModel::BusModel(const BusRates& rates, std::size_t queue_frames) : rates_(rates), queue_frames_(queue_frames) {}
 
 int BusModel::add_port(Deliver deliver, Order order, OnState on_state) {
   Port& port = ports_[++last_port_];
@@ -40,8 +39,10 @@ bool BusModel::send(int port, const CanFrame& frame, Time now) {
   return true;
 }
 
-Duration BusModel::bits(int count) const { return Duration{std::llround(1e9 * count / bitrate_bit_s_)}; }
-Duration BusModel::frame_time(const CanFrame& frame) const { return bits(worst_case_bits(frame.size)); }
+Duration BusModel::bits(int count) const { return Duration{std::llround(1e9 * count / rates_.bitrate_bit_s)}; }
+Duration BusModel::frame_time(const CanFrame& frame) const {
+  return Duration{std::llround(1e9 * worst_case_s(frame.size, frame.is_fd, rates_))};
+}
 
 std::deque<BusModel::Queued>::iterator BusModel::Port::first_at(Time time) {
   auto first = queue.end();

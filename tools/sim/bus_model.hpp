@@ -1,5 +1,5 @@
-// A classic CAN bus in virtual time: arbitration by identifier, frame time at the bit rate, one bounded queue a sender,
-// acknowledgement, and the fault confinement of ISO 11898-1: error counters, error passive, bus-off.
+// A CAN bus in virtual time, classic and FD frames mixed: arbitration by identifier, frame time at the bit rates, one
+// bounded queue a sender, acknowledgement, and the fault confinement of ISO 11898-1: error counters, error passive, bus-off.
 // Event-driven and deterministic; who drives the time (lockstep, the machine's clock, a test) is not its business.
 // Frame length is the worst case with stuffing (controller.md §3.2), about 10 % more than recorded traffic shows.
 //
@@ -49,7 +49,9 @@ class BusModel {
   using OnState = std::function<void(PortState state, Time time)>;
   using Judge = std::function<Passage(const CanFrame& frame, Time end)>;
 
-  explicit BusModel(double bitrate_bit_s, std::size_t queue_frames = kBusQueueFrames);
+  explicit BusModel(const BusRates& rates, std::size_t queue_frames = kBusQueueFrames);
+  explicit BusModel(double bitrate_bit_s, std::size_t queue_frames = kBusQueueFrames)
+      : BusModel(BusRates{bitrate_bit_s}, queue_frames) {}
 
   int add_port(Deliver deliver, Order order = Order::kAsQueued, OnState on_state = {});
   void remove_port(int port);
@@ -120,7 +122,7 @@ class BusModel {
   void restart_ports(Time now);
   Time next_restart() const;
 
-  double bitrate_bit_s_;
+  BusRates rates_;
   std::size_t queue_frames_;
   Judge judge_;
   std::map<int, Port> ports_;

@@ -89,9 +89,10 @@ void Simulation::Impl::open_buses() {
                       std::to_string(o.robot.bus_count()));
   const ToOwnClock to_own = [this](std::uint32_t id, std::int64_t ns) { return server.to_own_ns(id, ns); };
   for (const std::string& name : o.can_interfaces)
-    interfaces.push_back(arm::open_socket_can(name, server.clock(), arm::CanHears::kEverything));
+    interfaces.push_back(arm::open_socket_can(name, server.clock(), arm::CanHears::kEverything,
+                                              o.robot.has_fd_drive(static_cast<int>(interfaces.size()))));
   for (const std::string& path : o.emulated_bus_paths) {
-    BusModel& bus = buses.emplace_back(o.robot.controller.bus_bitrate_bit_s);
+    BusModel& bus = buses.emplace_back(bus_rates(o.robot));
     hubs.push_back(std::make_unique<BusHub>(path, bus, server.clock(), to_own, static_cast<int>(hubs.size())));
   }
 }
