@@ -1,4 +1,5 @@
-// What the time stamps of the frames tell: how regular SYNC is on the bus, and how long each node takes to answer it.
+// What the time stamps of the frames tell: how regular SYNC is on each bus, how long each node takes to answer it, and each
+// DAMIAO motor its command.
 #pragma once
 
 #include <array>
@@ -22,8 +23,13 @@ class BusTiming {
 
   LoopStatistics& statistics_;
   Duration period_;
-  std::array<std::int8_t, kNodeIds> row_of_node_;  ///< of LoopStatistics::tpdo1; -1: not ours
-  std::optional<Time> sync_;                       ///< the newest echo
+  using RowOfId = std::array<std::int8_t, kNodeIds>;
+
+  void note_answer(const std::optional<Time>& asked, std::int8_t row, Time answered) noexcept;
+
+  RowOfId row_of_node_, row_of_motor_, row_of_reply_;  ///< of LoopStatistics::tpdo1; -1: not ours
+  std::array<std::optional<Time>, kMaxBuses> syncs_;   ///< the newest echo on each bus
+  std::array<std::optional<Time>, DriveMaster::kMaxNodes> commands_;  ///< the newest echo of each motor's
 };
 
 }  // namespace armsight::arm

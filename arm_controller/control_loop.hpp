@@ -25,7 +25,7 @@ class ControlLoop {
 
   Mode mode() const noexcept { return state_.controller.mode(); }
   bool bus_is_lost() const noexcept { return state_.master.error_totals().lost; }
-  const CanopenMaster& master() const noexcept { return state_.master; }
+  const DriveMaster& master() const noexcept { return state_.master; }
 
  private:
   void collect_inbox() noexcept;

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "arm_controller/emergency.hpp"
+#include "arm_controller/mit_reports.hpp"
 #include "protocol/can_frames.hpp"
 #include "shared/geometry.hpp"
 
@@ -44,6 +45,7 @@ std::string moved(const Fault& f) { return figure(f.moved_rad / kDegree, "deg");
 }  // namespace
 
 std::string fault_text(const Fault& f) {
+  if (const std::string text = mit_fault_text(f); f.family == DriveFamily::kDamiao && !text.empty()) return text;
   const std::string node = "node " + std::to_string(f.node);
   switch (f.code) {
     case FaultCode::kNone: return "no fault";
@@ -78,6 +80,9 @@ std::string fault_text(const Fault& f) {
       return node + ": stands " + moved(f) + " from where it was last seen, about a whole turn: the encoder lost its turns";
     case FaultCode::kHomingFailed: return node + ": homing did not end, " + status_text(f);
     case FaultCode::kEncoderFrozen: return node + ": the encoder stands still while its set-point moved by " + moved(f);
+    case FaultCode::kTurnUnknown:
+      return node + ": its encoder knows where it is within a turn only; two turns lie inside the limits, and where it was last seen "
+                    "is not known";
     case FaultCode::kCycleOverrun: return "ten cycles late in a row";
     case FaultCode::kNotFinite: return "a computed set-point was not finite";
     case FaultCode::kModelNotSaved: return "the model in force could not be saved";

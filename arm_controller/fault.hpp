@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "protocol/drive_family.hpp"
+
 namespace armsight::arm {
 
 enum class FaultCode : std::uint16_t {
@@ -34,6 +36,7 @@ enum class FaultCode : std::uint16_t {
   kWholeTurn = 208,
   kHomingFailed = 209,
   kEncoderFrozen = 210,
+  kTurnUnknown = 211,
   // self
   kCycleOverrun = 301,
   kNotFinite = 302,
@@ -60,6 +63,7 @@ struct Fault {
   std::uint32_t expected = 0;   ///< value wanted; after an emergency: the error register
   std::int64_t age_ns = -1;     ///< since the last sign of life; -1: says nothing
   double moved_rad = 0.0;       ///< what a joint seems to have moved
+  DriveFamily family = DriveFamily::kCanopen;  ///< of the node
   std::int8_t bus = -1;         ///< of several buses; -1: there is only one, or none is meant
 
   bool is_set() const { return code != FaultCode::kNone; }

@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "arm_controller/canopen_master.hpp"
+#include "arm_controller/drive_master.hpp"
 #include "arm_controller/controller.hpp"
 
 namespace armsight::arm {
@@ -13,7 +13,7 @@ struct LoopState {
   LoopState(const RobotConfig& robot, const StartModel& start)
       : master(robot, start.last_seen_rad), controller(robot, start) {}
 
-  CanopenMaster master;
+  DriveMaster master;
   Controller controller;
   std::uint64_t cycle = 0;   ///< done so far
   std::uint64_t missed = 0;  ///< told by the clock so far

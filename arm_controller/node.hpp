@@ -43,6 +43,8 @@ class Node {
   void advance(Time now, bool sync_answered, PowerRequest power) noexcept;
   /// RPDO1 for this cycle; nullopt: the node takes none now. target_counts counts only once it follows.
   std::optional<CanFrame> set_point(std::int32_t target_counts, std::int32_t bend_counts = 0) noexcept;
+  /// The same of a joint, in the terms of position_rad().
+  std::optional<CanFrame> set_target(double target_rad, double bend_rad) noexcept;
   /// One asynchronous frame, after the RPDOs.
   std::optional<CanFrame> service_frame(Time now) noexcept;
 
@@ -65,6 +67,9 @@ class Node {
   const Fault& fault() const noexcept { return fault_; }
   bool has_feedback() const noexcept { return has_feedback_; }
   bool is_fresh() const noexcept { return is_fresh_; }  ///< a TPDO1 came in this cycle
+  /// Of the drive's output, before sign and zero; every node samples at the SYNC.
+  double position_rad(Time) const noexcept;
+  double torque_Nm() const noexcept { return 1e-3 * torque_permille() * rated_torque_Nm(); }
   std::int32_t position_counts() const noexcept { return feedback_.position_counts; }
   double torque_permille() const noexcept { return feedback_.torque; }
   double rated_torque_Nm() const noexcept { return 1e-3 * stored_[kRatedTorque]; }  ///< 0: the drive does not say

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "arm_controller/drive_commands.hpp"
 #include "arm_controller/node.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::uint16_t kNewSetPoint = 1u << 4, kStartHoming = 1u << 4, kChangeAtOnce = 1u << 5;
 constexpr std::uint16_t kTargetReached = 1u << 10, kAttained = 1u << 12, kAcknowledged = 1u << 12, kHomingError = 1u << 13;
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kVelocityGain_1_s = 10.0;  ///< closes the position loop around a velocity drive; stable to 1/(3 cycles)
 
 std::int32_t to_counts(double value) noexcept {
@@ -23,6 +25,14 @@ std::int32_t to_counts(double value) noexcept {
 }
 
 }  // namespace
+
+double Node::position_rad(Time) const noexcept { return kTurn_rad / options_.counts_per_turn * position_counts(); }
+
+std::optional<CanFrame> Node::set_target(double target_rad, double bend_rad) noexcept {
+  const double count_rad = kTurn_rad / options_.counts_per_turn;
+  return set_point(static_cast<std::int32_t>(std::lround(target_rad / count_rad)),
+                   static_cast<std::int32_t>(std::lround(bend_rad / count_rad)));
+}
 
 std::optional<CanFrame> Node::set_point(std::int32_t target_counts, std::int32_t bend_counts) noexcept {
   if (phase_ != NodePhase::kReady) return std::nullopt;

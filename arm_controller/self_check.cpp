@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "arm_controller/mit_reports.hpp"
 #include "shared/geometry.hpp"
 
 namespace armsight::arm {
@@ -78,14 +79,19 @@ CheckLine wrap_line(const WrapCheck& w, std::uint8_t node) {
                                   (w.now_rad - w.last_rad) / kDegree, rule)};
 }
 
-/// wrap: of a joint, or nullptr.
-std::vector<CheckLine> lines_of_node(const NodeCheck& n, const WrapCheck* wrap) {
+std::vector<CheckLine> canopen_lines_of(const NodeCheck& n) {
   std::vector<CheckLine> lines{identity_line(n)};
   if (worst_of(lines) == Verdict::kRefused) return lines;
   lines.push_back(units_line(n));
   if (worst_of(lines) == Verdict::kRefused) return lines;
   lines.push_back(settings_line(n, true));
   lines.push_back(settings_line(n, false));
+  return lines;
+}
+
+/// wrap: of a joint, or nullptr.
+std::vector<CheckLine> lines_of_node(const NodeCheck& n, const WrapCheck* wrap) {
+  std::vector<CheckLine> lines = n.family == DriveFamily::kDamiao ? mit_lines_of(n) : canopen_lines_of(n);
   if (wrap != nullptr && n.is_ready) lines.push_back(wrap_line(*wrap, n.node));
   if (n.fault.is_set() && worst_of(lines) != Verdict::kRefused)
     lines.push_back({Verdict::kRefused, n.node, "reports: " + fault_text(n.fault)});

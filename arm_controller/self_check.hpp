@@ -24,9 +24,17 @@ struct Shortfall {
   std::uint32_t abort_code = 0;  ///< 0: it was taken and reads back as `got`
 };
 
+/// Of a DAMIAO drive alone.
+struct MitCheck {
+  std::uint32_t mode_found = 0, timeout_units = 0, version = 0;
+  int turns = 0;  ///< added to what it counts
+};
+
 struct NodeCheck {
   static constexpr std::size_t kMaxShortfalls = 8;
   std::uint8_t node = 0;
+  DriveFamily family = DriveFamily::kCanopen;
+  MitCheck mit;
   DriveMode mode = DriveMode::kCyclicPosition;
   std::uint8_t homing_method = 0;
   bool is_identified = false, is_mapped = false, is_ready = false, has_torque_offset = true;

@@ -81,7 +81,7 @@ TEST(BringUp, FallsBackWhereTheDriveRefusesToStayPoweredOnQuickStop) {
   rig.bus.drive(4).refused_values[0x605A00] = 6;
   ASSERT_TRUE(rig.bring_to(Mode::kReady));
   EXPECT_EQ(rig.bus.drive(4).object(0x605A, 0), 2u);
-  EXPECT_FALSE(rig.loop->master().node(3).stays_powered_on_quick_stop());
+  EXPECT_FALSE(rig.loop->master().node(3).canopen()->stays_powered_on_quick_stop());
 }
 
 TEST(BringUp, SendsShorterSetPointsToADriveWithoutTorqueOffset) {

@@ -53,10 +53,17 @@ TEST(Histogram, WhatLastsTooLongIsCountedAndItsLengthKept) {
 
 class Timing : public testing::Test {
  protected:
-  void at(std::int64_t us, std::uint32_t id, bool is_own_echo) {
-    timing_.note({CanFrame{id, 0, {}}, time_from_ns(1000 * us), is_own_echo});
+  void at(std::int64_t us, std::uint32_t id, bool is_own_echo, std::uint8_t bus = 0) {
+    timing_.note({CanFrame{id, 0, {}}, time_from_ns(1000 * us), is_own_echo, bus});
   }
-  const RobotConfig robot_ = nominal_robot();
+  /// The elbow speaks DAMIAO: command 4, sample 0x14.
+  static RobotConfig mixed_robot() {
+    RobotConfig robot = nominal_robot();
+    robot.drives[3].family = DriveFamily::kDamiao;
+    robot.drives[3].mit.reply_id = 0x14;
+    return robot;
+  }
+  const RobotConfig robot_ = mixed_robot();
   const std::unique_ptr<LoopStatistics> statistics_ = std::make_unique<LoopStatistics>();
   BusTiming timing_{robot_, *statistics_};
 };
@@ -80,6 +87,26 @@ TEST_F(Timing, TellsHowLongEachNodeTakesToAnswerSync) {
   EXPECT_EQ(statistics_->tpdo1[5].longest_ns(), 900'000);  // the hand
   EXPECT_EQ(statistics_->tpdo1[1].count(), 0u);
   EXPECT_EQ(statistics_->sync_period.count(), 0u);
+}
+
+TEST_F(Timing, TellsTheSyncsOfTwoBusesApart) {
+  for (const std::int64_t us : {0, 4000, 8000}) {
+    at(us, kSyncId, true, 0);
+    at(us + 65, kSyncId, true, 1);
+  }
+  at(8300, 0x182, false, 1);
+  EXPECT_EQ(statistics_->sync_period.count(), 4u);
+  EXPECT_EQ(statistics_->sync_period.longest_ns(), 0);
+  EXPECT_EQ(statistics_->tpdo1[1].longest_ns(), 235'000) << "counted from the SYNC of its own bus";
+}
+
+TEST_F(Timing, TellsHowLongAMotorTakesToAnswerItsCommand) {
+  at(1000, kSyncId, true);
+  at(1100, 4, true);
+  at(1250, 0x14, false);
+  at(1300, 0x184, false);  // no node of that number
+  EXPECT_EQ(statistics_->tpdo1[3].count(), 1u);
+  EXPECT_EQ(statistics_->tpdo1[3].longest_ns(), 150'000);
 }
 
 TEST(Statistics, CarryTheHistogramsOfTheCyclesThatRan) {

@@ -43,9 +43,8 @@ class ClosedLoop::End final : public arm::CanBus {
   std::string name_ = "in-process";
 };
 
-ClosedLoop::ClosedLoop(const RobotConfig& config)
-    : robot(config) {
-  for (int i = 0; i < robot.bus_count(); ++i) buses_.emplace_back(robot.controller.bus_bitrate_bit_s);
+ClosedLoop::ClosedLoop(const RobotConfig& config, const std::optional<JointVector>& last_seen) : robot(config) {
+  for (int i = 0; i < robot.bus_count(); ++i) buses_.emplace_back(bus_rates(robot));
   for (const DriveConfig& drive : robot.drives) bus_of_node_.push_back(drive.bus);
   bus_of_node_.push_back(robot.hand.bus);
   const Scene scene = load_scene(ARMSIGHT_SOURCE_DIR "/tools/sim/scene.yaml");
@@ -64,7 +63,7 @@ ClosedLoop::ClosedLoop(const RobotConfig& config)
   for (std::size_t i = 0; i < buses_.size(); ++i) ends.push_back(std::make_unique<End>(*this, i));
   ends_ = arm::join_buses(std::move(ends));
   const JointVector zero = JointVector::Zero(robot.arm.joint_count());
-  const arm::StartModel start{{0, robot.camera_hint_T_C_B, zero}, std::nullopt, arm::ModelSource::kNominal};
+  const arm::StartModel start{{0, robot.camera_hint_T_C_B, zero}, std::nullopt, arm::ModelSource::kNominal, last_seen};
   loop_ = std::make_unique<arm::ControlLoop>(robot, start, *ends_, mailboxes_, tape_, statistics_);
   world_->power_on(now_);
 }
@@ -90,6 +89,7 @@ void ClosedLoop::cycle() {
   loop_->cycle(now_, 0);
   if (const auto newest = mailboxes_.state.take()) state = *newest;
   for (arm::Event event; mailboxes_.events.pop(event);) events.push_back(event);
+  if (const auto check = mailboxes_.self_check.take()) self_check = *check;
   for (arm::Event event; tape_.events.pop(event);) continue;
   for (arm::TickRecord record; tape_.ticks.pop(record);) continue;
   for (arm::OrdersRecord orders; tape_.orders.pop(orders);) continue;
@@ -103,8 +103,15 @@ bool ClosedLoop::cycle_until(const std::function<bool()>& is_true, int at_most) 
 
 bool ClosedLoop::power_up() {
   if (!cycle_until([&] { return state.mode == arm::Mode::kReady; }, 2000)) return false;
-  mailboxes_.mode.put({{1, 1}, arm::PowerWish::kHold, false});
+  order(arm::PowerWish::kHold);
   return cycle_until([&] { return state.mode == arm::Mode::kHold; }, 2000);
+}
+
+void ClosedLoop::order(arm::PowerWish wish, bool clear_fault) { mailboxes_.mode.put({{1, 1}, wish, clear_fault}); }
+
+void ClosedLoop::die_for(Duration duration) {
+  now_ += duration;
+  simulate_until(now_);
 }
 
 void ClosedLoop::move_to(const JointVector& q_real) {

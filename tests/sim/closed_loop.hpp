@@ -17,7 +17,8 @@ namespace armsight::sim {
 class ClosedLoop {
  public:
   using OnFrame = std::function<void(std::size_t bus, const CanFrame& frame, Time end)>;
-  explicit ClosedLoop(const RobotConfig& robot);
+  /// last_seen: readings of an earlier run.
+  explicit ClosedLoop(const RobotConfig& robot, const std::optional<JointVector>& last_seen = std::nullopt);
 
   /// Sees every frame of every bus at its end.
   void watch(OnFrame on_frame) { on_frame_ = std::move(on_frame); }
@@ -28,16 +29,22 @@ class ClosedLoop {
   bool cycle_until(const std::function<bool()>& is_true, int at_most);
   bool power_up();
   void move_to(const JointVector& q_real);
+  void order(arm::PowerWish wish, bool clear_fault = false);
+  /// Time goes on without the controller.
+  void die_for(Duration duration);
   /// The controller's interface to that bus is pulled: nothing comes, nothing goes, and it is told so.
   void cut(std::size_t bus) { is_cut_[bus] = true; }
 
   RobotConfig robot;
   arm::ArmSnapshot state;
   std::vector<arm::Event> events;
+  std::optional<arm::SelfCheck> self_check;  ///< the newest
 
   /// Nothing finds room there any more.
   void fill(std::size_t bus) { is_full_[bus] = true; }
   World& world() { return *world_; }
+  /// What the encoders showed at the newest SYNC.
+  const JointVector& encoders() const { return world_->trace().back().q_reading; }
   const arm::ControlLoop& loop() const { return *loop_; }
 
  private:

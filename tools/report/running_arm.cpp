@@ -77,7 +77,11 @@ void RunningArm::start_controller() {
 
 std::vector<std::string> RunningArm::bus_arguments() const {
   if (!options_.can_interface.empty()) return {"--can", options_.can_interface};
-  return {"--bus", "emulated:" + (sockets_.path() / "bus").string()};
+  std::vector<std::string> words;
+  const int count = load_robot(options_.robot_file).bus_count();
+  for (int bus = 0; bus < count; ++bus)
+    words.insert(words.end(), {"--bus", "emulated:" + (sockets_.path() / ("bus" + std::to_string(bus))).string()});
+  return words;
 }
 
 std::vector<std::string> RunningArm::program(const std::string& name, const std::vector<std::string>& arguments) const {

@@ -69,7 +69,7 @@ struct BusHub::Impl {
   void take_join(Client& client, std::span<const char> bytes);
   void take_available(Client& client);
   void take_frame(Client& client, std::span<const char> bytes);
-  void take_due(net::ChannelKey channel);
+  void take_due(net::ChannelKey sender);
   bool take_packet(Client& client);
   void deliver(Client& client, const CanFrame& frame, Time end, std::uint8_t flags);
   void close(Client& client);
@@ -167,11 +167,11 @@ void BusHub::Impl::take_available(Client& client) {
   }
 }
 
-void BusHub::Impl::take_due(net::ChannelKey channel) {
-  const std::size_t due = clock.due(channel).size();
-  for (std::size_t i = 0; i < due; ++i) clock.count_received(channel);
-  const auto found = std::find_if(clients.begin(), clients.end(), [channel](const auto& client) {
-    return client->is_open && client->participant == channel.peer;
+void BusHub::Impl::take_due(net::ChannelKey sender) {
+  const std::size_t due = clock.due(sender).size();
+  for (std::size_t i = 0; i < due; ++i) clock.count_received(sender);
+  const auto found = std::find_if(clients.begin(), clients.end(), [sender](const auto& client) {
+    return client->is_open && client->participant == sender.peer;
   });
   if (found == clients.end()) return;
   Client& client = **found;

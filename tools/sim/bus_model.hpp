@@ -1,5 +1,6 @@
 // A CAN bus in virtual time, classic and FD frames mixed: arbitration by identifier, frame time at the bit rates, one
-// bounded queue a sender, acknowledgement, and the fault confinement of ISO 11898-1: error counters, error passive, bus-off.
+// bounded queue a sender, acknowledgement, and the fault confinement of ISO 11898-1: error counters, error passive,
+// bus-off.
 // Event-driven and deterministic; who drives the time (lockstep, the machine's clock, a test) is not its business.
 // Frame length is the worst case with stuffing (controller.md §3.2), about 10 % more than recorded traffic shows.
 //

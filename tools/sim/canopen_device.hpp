@@ -6,35 +6,28 @@
 //   power-on ─► boot-up ─► pre-operational ⇄ operational ⇄ stopped        PDOs in operational only
 #pragma once
 
-#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include "protocol/sdo_segments.hpp"
 #include "shared/time.hpp"
+#include "tools/sim/bus_node.hpp"
 #include "tools/sim/object_dictionary.hpp"
 
 namespace armsight::sim {
 
-using SendFrame = std::function<void(const CanFrame& frame, Time now)>;
-
-class CanopenDevice {
+class CanopenDevice : public BusNode {
  public:
   CanopenDevice(std::uint8_t node, SendFrame send);
-  virtual ~CanopenDevice() = default;
-  CanopenDevice(const CanopenDevice&) = delete;
-  CanopenDevice& operator=(const CanopenDevice&) = delete;
 
-  void power_on(Time now);
+  void power_on(Time now) override;
   /// Says nothing and hears nothing until it is powered on again.
   void power_off(Time now);
-  void on_frame(const CanFrame& frame, Time now);
-  /// Timers; to be called at next_time() or later.
-  void on_time(Time now);
-  Time next_time() const;
-  /// Nothing could be heard for so long because the simulator itself did not run: that is no silence of others.
-  void excuse(Duration stall);
+  void on_frame(const CanFrame& frame, Time now) override;
+  void on_time(Time now) override;
+  Time next_time() const override;
+  void excuse(Duration stall) override;
   /// A fault: the object reads so from now on, whatever is written; nullopt: it does not exist. Survives a restart.
   void bend(ObjectAddress object, std::optional<std::uint32_t> value) {
     bends_[{object.index, object.sub}] = value;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/sim/damiao_drive.hpp"
 #include "tools/sim/drive_node.hpp"
 #include "tools/sim/plant.hpp"
 
@@ -36,8 +37,11 @@ class World {
   void excuse(Duration stall);
 
   std::size_t node_count() const { return nodes_.size(); }
-  const DriveNode& node(std::size_t i) const { return *nodes_[i]; }
-  DriveNode& node(std::size_t i) { return *nodes_[i]; }
+  /// Of a CANopen node; precondition: it is one.
+  const DriveNode& node(std::size_t i) const { return *dynamic_cast<const DriveNode*>(nodes_[i].get()); }
+  DriveNode& node(std::size_t i) { return *dynamic_cast<DriveNode*>(nodes_[i].get()); }
+  /// nullptr: joint i speaks something else.
+  DamiaoDrive* damiao(std::size_t i) { return dynamic_cast<DamiaoDrive*>(nodes_[i].get()); }
   Plant& plant() { return plant_; }
   const Plant& plant() const { return plant_; }
   const RobotConfig& robot() const { return robot_; }
@@ -50,11 +54,15 @@ class World {
   void forget_trace() { trace_.clear(); }
 
  private:
+  std::unique_ptr<BusNode> make_node(std::size_t i, const SendFrame& send);
+  void open_row(Time time, std::uint8_t bus);
   void sample(std::size_t node, std::int32_t counts, Time time);
+  double reading_rad(std::size_t joint, std::int32_t counts) const;
 
   RobotConfig robot_;
   Plant plant_;
-  std::vector<std::unique_ptr<DriveNode>> nodes_;
+  std::size_t opener_ = 0;  ///< node whose SYNC opens a row of the trace: the first that listens to one
+  std::vector<std::unique_ptr<BusNode>> nodes_;
   Truth before_;
   std::optional<Time> drift_time_;
   std::deque<TraceRow> trace_;  ///< grows without ever copying: the bus does not wait

@@ -1,9 +1,8 @@
-#include "arm_controller/canopen_master.hpp"
+#include "arm_controller/drive_master.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace armsight::arm {
 namespace {
@@ -12,13 +11,6 @@ constexpr Duration kOwnHeartbeatPeriod = std::chrono::milliseconds(100);
 constexpr int kFailedCyclesLimit = 3;
 constexpr int kStateCycles = 10;
 constexpr double kAnswerShare = 0.6;           ///< of a period: the answers take 1.7 ms on the bus (controller.md §3.2)
-constexpr double kFastestJoint_rad_s = 10.0;   ///< above the actuator's 6 rad/s (specification §4.4)
-constexpr double kEncoderNoise_rad = 0.01;
-constexpr double kStepRemains_rad = 0.1;       ///< from the last position believed in, after a quick stop
-constexpr double kFrozen_rad = 0.03;           ///< a set-point's way without one count of its encoder's
-constexpr double kBeyondLimits_rad = 0.35;     ///< a whole turn off is always farther than this
-
-double turn(const DriveConfig& drive) { return drive.sign * 2.0 * std::numbers::pi / drive.counts_per_turn; }
 
 NodeOptions node_options(const RobotConfig& robot, const DriveConfig& drive) {
   NodeOptions options;
@@ -36,9 +28,19 @@ NodeOptions node_options(const RobotConfig& robot, const DriveConfig& drive) {
   return options;
 }
 
+MitOptions mit_options(const RobotConfig& robot, const DriveConfig& drive) {
+  MitOptions options;
+  options.motor = drive.node;
+  options.drive = drive.mit;
+  options.period_s = robot.controller.period_s;
+  options.timeout_s = robot.controller.rpdo_deadline_s;
+  options.state_timeout = std::max(options.state_timeout, kStateCycles * seconds_to_duration(robot.controller.period_s));
+  return options;
+}
+
 }  // namespace
 
-CanopenMaster::CanopenMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen)
+DriveMaster::DriveMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen)
     : limits_(robot.arm.limits), hand_(robot.hand), period_s_(robot.controller.period_s),
       joint_count_(robot.arm.joint_count()), node_count_(joint_count_ + 1), bus_count_(static_cast<std::size_t>(robot.bus_count())),
       last_seen_(last_seen) {
@@ -46,7 +48,8 @@ CanopenMaster::CanopenMaster(const RobotConfig& robot, const std::optional<Joint
     const std::size_t k = static_cast<std::size_t>(i);
     drives_[k] = robot.drives[k];
     bus_of_[k] = drives_[k].bus;
-    nodes_[k].emplace(node_options(robot, drives_[k]));
+    if (drives_[k].family == DriveFamily::kDamiao) nodes_[k].emplace(mit_options(robot, drives_[k]));
+    else nodes_[k].emplace(node_options(robot, drives_[k]));
   }
   DriveConfig hand;  // its counts a turn are nobody's concern
   hand.node = hand_.node;
@@ -54,19 +57,21 @@ CanopenMaster::CanopenMaster(const RobotConfig& robot, const std::optional<Joint
   bus_of_[static_cast<std::size_t>(joint_count_)] = hand_.bus;
   nodes_[static_cast<std::size_t>(joint_count_)].emplace(node_options(robot, hand));
   samples_.q_rad = samples_.torque_Nm = JointVector::Zero(joint_count_);
+  for (int i = 0; i < node_count_; ++i)
+    if (node(i).hears_sync()) has_sync_[bus_of(i)] = true;
 }
 
-void CanopenMaster::latch(const Fault& fault) noexcept {
+void DriveMaster::latch(const Fault& fault) noexcept {
   if (!samples_.fault.is_set()) samples_.fault = fault;
 }
 
-void CanopenMaster::latch_on(FaultCode code, int bus) noexcept {
+void DriveMaster::latch_on(FaultCode code, int bus) noexcept {
   Fault fault{code};
   if (bus_count_ > 1) fault.bus = static_cast<std::int8_t>(bus);
   latch(fault);
 }
 
-void CanopenMaster::take(const BusFrame& received, Time now) noexcept {
+void DriveMaster::take(const BusFrame& received, Time now) noexcept {
   if (received.bus >= bus_count_) return;
   if (received.is_own_echo) {
     SyncState& sync = syncs_[received.bus];
@@ -74,10 +79,10 @@ void CanopenMaster::take(const BusFrame& received, Time now) noexcept {
     return;
   }
   for (int i = 0; i < node_count_; ++i)
-    if (bus_of(i) == received.bus) node_at(i).receive(received.frame, now);
+    if (bus_of(i) == received.bus) node_at(i).receive(received, now);
 }
 
-void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept {
+void DriveMaster::finish_receiving(const BusErrors& errors, Time now) noexcept {
   take_errors(errors);
   // A cycle that follows a late one comes too soon for the answers to its SYNC: that is our lateness, not the nodes'.
   const bool is_time = now - sync_sent_ >= seconds_to_duration(kAnswerShare * period_s_);
@@ -92,7 +97,7 @@ void CanopenMaster::finish_receiving(const BusErrors& errors, Time now) noexcept
   for (SyncState& sync : syncs_) sync.is_out = false;
 }
 
-void CanopenMaster::take_errors(const BusErrors& errors) noexcept {
+void DriveMaster::take_errors(const BusErrors& errors) noexcept {
   error_totals_.error_frames += errors.error_frames;
   error_totals_.send_failures += errors.send_failures;
   error_totals_.receive_overflows += errors.receive_overflows;
@@ -104,7 +109,7 @@ void CanopenMaster::take_errors(const BusErrors& errors) noexcept {
   latch_for(FaultCode::kBusOff, errors.bus_off, errors.bus_off_buses);
 }
 
-void CanopenMaster::update_phase() noexcept {
+void DriveMaster::update_phase() noexcept {
   bool all_seen = true, all_ready = true, all_follow = true;
   for (int i = 0; i < node_count_; ++i) {
     all_seen = all_seen && node(i).phase() != NodePhase::kAbsent;
@@ -117,7 +122,7 @@ void CanopenMaster::update_phase() noexcept {
                                  : BusPhase::kPowered;
 }
 
-std::optional<SelfCheck> CanopenMaster::take_self_check() noexcept {
+std::optional<SelfCheck> DriveMaster::take_self_check() noexcept {
   if (!self_check_is_due_) return std::nullopt;
   bool all_ready = true;
   for (int i = 0; i < node_count_; ++i) {
@@ -133,28 +138,7 @@ std::optional<SelfCheck> CanopenMaster::take_self_check() noexcept {
   return check;
 }
 
-// A joint that was just told "here is zero" reads otherwise than a cycle ago, and has not moved.
-void CanopenMaster::note_homing() noexcept {
-  for (int i = 0; i < joint_count_; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    const bool is_homed = !node(i).needs_homing();
-    if (is_homed && !was_homed_[k] && node(i).is_homed_by_us()) samples_.has_positions = false;
-    was_homed_[k] = is_homed;
-  }
-}
-
-// Against the last position that was known: in this run, or in an earlier one (controller.md §4.4).
-void CanopenMaster::check_wrap(int joint, double q_rad) noexcept {
-  WrapCheck& wrap = wraps_[static_cast<std::size_t>(joint)];
-  wrap = {last_seen_.has_value() && !node(joint).is_homed_by_us(), 0.0, q_rad, Verdict::kDegraded};
-  if (!wrap.is_known) return;
-  wrap.last_rad = (*last_seen_)[joint];
-  const double moved = q_rad - wrap.last_rad;
-  wrap.verdict = is_about_a_whole_turn(moved) ? Verdict::kRefused : Verdict::kOk;
-  if (wrap.verdict == Verdict::kRefused) latch({FaultCode::kWholeTurn, node(joint).id(), 0, 0, 0, 0, -1, moved});
-}
-
-void CanopenMaster::update_joints() noexcept {
+void DriveMaster::update_joints() noexcept {
   bool all_fresh = true, all_known = true;
   for (int i = 0; i < joint_count_; ++i) {
     all_fresh = all_fresh && syncs_[bus_of(i)].is_out && node(i).is_fresh();
@@ -165,9 +149,10 @@ void CanopenMaster::update_joints() noexcept {
   note_homing();
   JointVector q(joint_count_);
   for (int i = 0; i < joint_count_; ++i) {
+    if (!samples_.has_positions && node(i).is_single_turn()) settle_turns(i);
     const DriveConfig& drive = drives_[static_cast<std::size_t>(i)];
-    q[i] = turn(drive) * node(i).position_counts() + drive.zero_rad;
-    samples_.torque_Nm[i] = drive.sign * 1e-3 * node(i).torque_permille() * node(i).rated_torque_Nm();
+    q[i] = drive.sign * node(i).position_rad(sampling_time()) + drive.zero_rad;
+    samples_.torque_Nm[i] = drive.sign * node(i).torque_Nm();
   }
   samples_.is_fresh = positions_are_plausible(q);
   if (!samples_.is_fresh) return;
@@ -178,33 +163,17 @@ void CanopenMaster::update_joints() noexcept {
   samples_.has_positions = true;
 }
 
-// An encoder jump must stop the arm and never reach the filter as an offset (controller.md §4.4, §10 no. 8).
-bool CanopenMaster::positions_are_plausible(const JointVector& q) noexcept {
-  const double farthest = kFastestJoint_rad_s * to_seconds(sampling_time() - last_fresh_) + kEncoderNoise_rad;
-  for (int i = 0; i < joint_count_; ++i) {
-    if (node(i).needs_homing()) continue;
-    if (!samples_.has_positions) check_wrap(i, q[i]);
-    const bool is_outside =
-        q[i] < limits_.min_rad[i] - kBeyondLimits_rad || q[i] > limits_.max_rad[i] + kBeyondLimits_rad;
-    if (!samples_.has_positions && is_outside) latch({FaultCode::kOutsideLimits, node(i).id()});
-    const double remains = must_prove_positions_ ? q[i] - last_seen_->coeff(i) : 0.0;
-    if (std::abs(remains) > kStepRemains_rad) latch({FaultCode::kEncoderStep, node(i).id(), 0, 0, 0, 0, -1, remains});
-    if (samples_.has_positions && std::abs(q[i] - samples_.q_rad[i]) > farthest)
-      latch({FaultCode::kEncoderStep, node(i).id(), 0, 0, 0, 0, -1, q[i] - samples_.q_rad[i]});
-  }
-  return !samples_.fault.is_set() || samples_.fault.code < FaultCode::kEncoderStep || is_plain_stop(samples_.fault.code);
-}
-
-void CanopenMaster::update_hand() noexcept {
-  if (!hand_node().has_feedback()) return;
+void DriveMaster::update_hand() noexcept {
+  const Node& hand = hand_node();
+  if (!hand.has_feedback()) return;
   const double stroke = hand_.closed_counts - hand_.open_counts;
-  samples_.hand_closure = (hand_node().position_counts() - hand_.open_counts) / stroke;
-  samples_.hand_effort_permille = std::abs(hand_node().torque_permille());
+  samples_.hand_closure = (hand.position_counts() - hand_.open_counts) / stroke;
+  samples_.hand_effort_permille = std::abs(hand.torque_permille());
 }
 
 // What the nodes did while nobody could hear them is unknown: after a failure of the bus they begin anew. An encoder that
 // stepped must read again what it read before: a step that remains would be learnt as an offset.
-void CanopenMaster::recover(Time now) noexcept {
+void DriveMaster::recover(Time now) noexcept {
   const FaultCode code = samples_.fault.code;
   const bool was_bus = code == FaultCode::kBusLost || code == FaultCode::kBusOff || code == FaultCode::kSendFailed;
   if (code == FaultCode::kEncoderStep) must_prove_positions_ = last_seen_.has_value();
@@ -218,40 +187,29 @@ void CanopenMaster::recover(Time now) noexcept {
   }
 }
 
-// The drive's own loop would chase what its encoder hides, ever faster.
-void CanopenMaster::watch_encoder(int joint, double q_command_rad) noexcept {
-  FrozenWatch& watch = frozen_[static_cast<std::size_t>(joint)];
-  const std::int32_t counts = node(joint).position_counts();
-  if (!node(joint).is_following() || counts != watch.counts) watch = {counts, q_command_rad};
-  const double way = std::abs(q_command_rad - watch.q_command_rad);
-  if (way > kFrozen_rad) latch({FaultCode::kEncoderFrozen, node(joint).id(), 0, 0, 0, 0, -1, way});
-}
-
-std::int32_t CanopenMaster::target_counts(int joint, double q_rad) const noexcept {
-  const DriveConfig& drive = drives_[static_cast<std::size_t>(joint)];
-  return static_cast<std::int32_t>(std::lround((q_rad - drive.zero_rad) / turn(drive)));
-}
-
-void CanopenMaster::add(const CanFrame& frame, std::size_t bus, Kind kind) noexcept {
+void DriveMaster::add(const CanFrame& frame, std::size_t bus, Kind kind) noexcept {
   if (outgoing_count_ < outgoing_.size())
     outgoing_[outgoing_count_++] = {frame, static_cast<std::uint8_t>(bus), kind};
 }
 
-void CanopenMaster::add_on_all(const CanFrame& frame, Kind kind) noexcept {
-  for (std::size_t bus = 0; bus < bus_count_; ++bus) add(frame, bus, kind);
+/// Where a node listens to it.
+void DriveMaster::add_on_all(const CanFrame& frame, Kind kind) noexcept {
+  for (std::size_t bus = 0; bus < bus_count_; ++bus)
+    if (has_sync_[bus]) add(frame, bus, kind);
 }
 
 // SYNCs of several buses end within a frame's time of each other: the middle stands for all joints.
-Time CanopenMaster::sampling_time() const noexcept {
-  Time first = syncs_[0].time, last = first;
-  for (std::size_t bus = 1; bus < bus_count_; ++bus) {
-    first = std::min(first, syncs_[bus].time);
-    last = std::max(last, syncs_[bus].time);
+Time DriveMaster::sampling_time() const noexcept {
+  std::optional<Time> first, last;
+  for (std::size_t bus = 0; bus < bus_count_; ++bus) {
+    if (!has_sync_[bus]) continue;
+    first = std::min(first.value_or(syncs_[bus].time), syncs_[bus].time);
+    last = std::max(last.value_or(syncs_[bus].time), syncs_[bus].time);
   }
-  return first + (last - first) / 2;
+  return first ? *first + (*last - *first) / 2 : sync_sent_;
 }
 
-void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
+void DriveMaster::prepare(const JointCommand& command, Time now) noexcept {
   outgoing_count_ = 0;
   failed_bus_.reset();
   if (command.recover) recover(now);
@@ -268,8 +226,8 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
     const double q = i < command.q_rad.size() ? command.q_rad[i] : samples_.q_rad[i];
     watch_encoder(i, q);
     const double bend = i < command.bend_rad.size() ? command.bend_rad[i] : 0.0;
-    const auto bend_counts = static_cast<std::int32_t>(std::lround(bend / turn(drives_[static_cast<std::size_t>(i)])));
-    if (const auto frame = node_at(i).set_point(target_counts(i, q), bend_counts))
+    const DriveConfig& drive = drives_[static_cast<std::size_t>(i)];
+    if (const auto frame = node_at(i).set_target(drive.sign * (q - drive.zero_rad), drive.sign * bend))
       add(*frame, bus_of(i), Kind::kSetPoint);
   }
   const double stroke = hand_.closed_counts - hand_.open_counts;
@@ -290,9 +248,10 @@ void CanopenMaster::prepare(const JointCommand& command, Time now) noexcept {
 }
 
 // A frame that finds no room is dropped and counted, never queued: a stale set-point is worse than none.
-void CanopenMaster::note_sent(std::size_t i, SendResult result, Time now) noexcept {
+void DriveMaster::note_sent(std::size_t i, SendResult result, Time now) noexcept {
   const Outgoing& sent = outgoing_[i];
-  if (sent.kind == Kind::kSync && result == SendResult::kSent) {
+  const bool opens_cycle = sent.kind == Kind::kSync || (sent.kind == Kind::kSetPoint && !has_sync_[sent.bus]);
+  if (opens_cycle && result == SendResult::kSent) {
     syncs_[sent.bus] = {true, now};  // until the echo tells better
     sync_sent_ = now;
   }

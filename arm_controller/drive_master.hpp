@@ -1,23 +1,24 @@
-// The controller's side of the CANopen network: brings the nodes up, keeps SYNC, set-points and heartbeat going, watches
-// the nodes and turns counts into joint angles. Called once a cycle: receive, (tick), send. Never waits, no heap.
+// The controller's side of the drives, whatever they speak (joint_drive) and on whichever bus: brings them up, keeps SYNC,
+// set-points and heartbeat going, watches them and makes joint samples of what they say. Called once a cycle: receive,
+// (tick), send. Never waits, no heap.
 #pragma once
 
 #include <array>
 #include <optional>
 
 #include "arm_controller/can_bus.hpp"
+#include "arm_controller/joint_drive.hpp"
 #include "arm_controller/joint_io.hpp"
-#include "arm_controller/node.hpp"
 #include "protocol/config.hpp"
 
 namespace armsight::arm {
 
-class CanopenMaster {
+class DriveMaster {
  public:
   static constexpr int kMaxNodes = kMaxJoints + 1;  ///< joints and the hand
 
   /// last_seen: the readings when the arm was last known, to notice an encoder that lost a turn since.
-  explicit CanopenMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen = std::nullopt);
+  explicit DriveMaster(const RobotConfig& robot, const std::optional<JointVector>& last_seen = std::nullopt);
 
   /// Takes what the bus has brought since the last call. on_frame(const BusFrame&) sees every frame (the recorder).
   template <typename OnFrame>
@@ -47,7 +48,7 @@ class CanopenMaster {
 
   const JointSamples& samples() const noexcept { return samples_; }
   int node_count() const noexcept { return node_count_; }
-  const Node& node(int i) const noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
+  const JointDrive& node(int i) const noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
   const BusErrors& error_totals() const noexcept { return error_totals_; }
   const BusErrors& errors_of_cycle() const noexcept { return errors_; }
   /// Complete once every node is configured, or refused; nullopt before, and after it was taken.
@@ -84,9 +85,9 @@ class CanopenMaster {
   Time sampling_time() const noexcept;
   std::size_t bus_of(int i) const noexcept { return bus_of_[static_cast<std::size_t>(i)]; }
   void note_sent(std::size_t i, SendResult result, Time now) noexcept;
-  std::int32_t target_counts(int joint, double q_rad) const noexcept;
-  Node& node_at(int i) noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
-  Node& hand_node() noexcept { return *nodes_[static_cast<std::size_t>(joint_count_)]; }
+  void settle_turns(int joint) noexcept;
+  JointDrive& node_at(int i) noexcept { return *nodes_[static_cast<std::size_t>(i)]; }
+  Node& hand_node() noexcept { return *node_at(joint_count_).canopen(); }
 
   JointLimits limits_;
   std::array<DriveConfig, kMaxJoints> drives_{};
@@ -95,7 +96,7 @@ class CanopenMaster {
   int joint_count_ = 0, node_count_ = 0;
   std::size_t bus_count_ = 1;
   std::array<std::uint8_t, kMaxNodes> bus_of_{};
-  std::array<std::optional<Node>, kMaxNodes> nodes_;
+  std::array<std::optional<JointDrive>, kMaxNodes> nodes_;
 
   JointSamples samples_;
   std::optional<JointVector> last_seen_;
@@ -112,6 +113,7 @@ class CanopenMaster {
   PowerRequest power_ = PowerRequest::kOff;
   std::uint8_t sync_counter_ = 0;
   std::array<SyncState, kMaxBuses> syncs_{};
+  std::array<bool, kMaxBuses> has_sync_{};  ///< somebody on the bus listens to SYNC and heartbeat
   Time sync_sent_{};
   Time last_fresh_{};
   std::optional<Time> own_heartbeat_;
