@@ -1,6 +1,5 @@
 // Row 9: the host's clock steps, drifts, runs ahead. The cycle does not notice; looks whose time is not known are not
 // fused. The host's half (alignment, step detection, bounds at 100 ppm): app_clock_alignment_test, moving_arm_test.
-// The controller's own wall clock: vcan.faults.
 #include "shared/hand_eye.hpp"
 #include "tests/faults/linked_rig.hpp"
 

@@ -62,3 +62,30 @@ begin_controller() {
   link=$(sed -n 's/^arm_controller: listening on //p' "$work/arm_controller.log")
 }
 host() { "$programs/host" --arm "$link" --state "$work/host" --robot "$work/robot.yaml" "$@"; }
+
+# begin_arm INTERFACE: the simulated robot there, its log in bus.log.
+begin_arm() {
+  begin arm_sim "$programs/arm_sim" --robot "$work/robot.yaml" --scene "$source/tools/sim/scene.yaml" --noise clean \
+    --clock "$work/clock" --camera 127.0.0.1:0 --can "$1" --log "$work/bus.log"
+  await arm_sim "arm_sim: ready"
+}
+begin_move() {
+  begin host "$programs/host" --arm "$link" --state "$work/host" --robot "$work/robot.yaml" \
+    move --joints=-1.3,0.5,-1.3,2.0,-1.0 --speed "$1"
+}
+# await_motion: the drives have answered "operation enabled" from more than three different positions.
+await_motion() {
+  local i
+  for ((i = 0; i < 300 * patience; ++i)); do
+    [[ $(sed -n 's/.* 181#3712\(........\).*/\1/p' "$work/bus.log" | sort -u | wc -l) -gt 3 ]] && return 0
+    kill -0 "${pid[host]}" 2>/dev/null || break
+    sleep 0.1
+  done
+  fail "the arm does not move: $(tail -n 2 "$work/host.err")"
+}
+# last_status NODE: the state bits of the drive's last answer; statusword is little-endian.
+last_status() {
+  local word
+  word=$(sed -n "s/.* 18$1#\(..\)\(..\).*/\2\1/p" "$work/bus.log" | tail -n 1)
+  printf '%02x' $((0x$word & 0x6F))
+}
