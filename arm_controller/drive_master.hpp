@@ -105,6 +105,7 @@ class DriveMaster {
   struct FrozenWatch {
     std::int32_t counts = 0;
     double q_command_rad = 0.0;          ///< when the counts last changed
+    int cycles = 0;                      ///< since then
   };
   std::array<FrozenWatch, kMaxJoints> frozen_{};
   bool must_prove_positions_ = false;    ///< after an encoder's step: against last_seen_

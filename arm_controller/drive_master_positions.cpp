@@ -13,6 +13,7 @@ constexpr double kFastestJoint_rad_s = 10.0;   ///< above the actuator's 6 rad/s
 constexpr double kEncoderNoise_rad = 0.01;
 constexpr double kStepRemains_rad = 0.1;       ///< from the last position believed in, after a quick stop
 constexpr double kFrozen_rad = 0.03;           ///< a set-point's way without one count of its encoder's
+constexpr int kFrozenCycles = 5;               ///< a set-point acts with the next SYNC, and shows with the one after that
 constexpr double kBeyondLimits_rad = 0.35;     ///< a whole turn off is always farther than this
 
 }  // namespace
@@ -83,7 +84,8 @@ void DriveMaster::watch_encoder(int joint, double q_command_rad) noexcept {
   const std::int32_t counts = node(joint).position_counts();
   if (!node(joint).is_following() || counts != watch.counts) watch = {counts, q_command_rad};
   const double way = std::abs(q_command_rad - watch.q_command_rad);
-  if (way > kFrozen_rad) latch({FaultCode::kEncoderFrozen, node(joint).id(), 0, 0, 0, 0, -1, way});
+  if (++watch.cycles > kFrozenCycles && way > kFrozen_rad)
+    latch({FaultCode::kEncoderFrozen, node(joint).id(), 0, 0, 0, 0, -1, way});
 }
 
 }  // namespace armsight::arm

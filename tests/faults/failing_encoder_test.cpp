@@ -52,6 +52,21 @@ TEST_F(FailingEncoder, FrozenStopsBeforeTheDriveHasChasedItFar) {
   expect_all_stopped(began, 0.2);
 }
 
+/// Set-point, SYNC, answer: a cycle each, and twenty cycles a second.
+TEST_F(FailingEncoder, IsNotSeenInASlowCycle) {
+  RobotConfig robot = shipped_robot();
+  robot.controller.period_s = 0.05;
+  robot.controller.rpdo_deadline_s = 0.6;
+  robot.controller.heartbeat_s = 1.5;
+  robot.controller.lease_s = 1.0;
+  FaultRig slow(robot);
+  ASSERT_TRUE(slow.power_up());
+  slow.send_goal(FaultRig::far_goal());
+  EXPECT_TRUE(slow.cycle_until([&] { return (slow.q_rad() - FaultRig::far_goal()).cwiseAbs().maxCoeff() < 5e-3; }, 200))
+      << fault_text(slow.state.fault);
+  EXPECT_TRUE(slow.all_drives(DriveState::kOperationEnabled));
+}
+
 TEST_F(FailingEncoder, TremblingByThreeCountsIsCarried) {
   for (int joint = 0; joint < kJoints; ++joint) rig.world->plant().set_encoder_fault(joint, {.tremble_rad = 6e-4});
   ASSERT_TRUE(rig.start_moving());
