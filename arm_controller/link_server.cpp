@@ -2,6 +2,7 @@
 
 #include "protocol/convert.hpp"
 #include "protocol/framing.hpp"
+#include "protocol/nested_lengths.hpp"
 
 namespace armsight::arm {
 namespace {
@@ -11,9 +12,14 @@ constexpr const char* kProgram = "arm_controller " ARMSIGHT_VERSION;
 constexpr std::size_t kMaxQueued_bytes = 256 * 1024;
 constexpr std::size_t kMaxMessagesPerStep = 32;
 
+/// False: it holds no Envelope. Lengths first: the parser would reserve what they announce.
+bool parse(std::string_view payload, wire::Envelope& envelope) {
+  return wire::lengths_fit(payload) && envelope.ParseFromArray(payload.data(), static_cast<int>(payload.size()));
+}
+
 std::uint32_t sim_participant(std::string_view payload) {
   wire::Envelope envelope;
-  if (!envelope.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return 0;
+  if (!parse(payload, envelope)) return 0;
   return envelope.has_hello() ? envelope.hello().sim_participant() : 0;
 }
 
@@ -67,7 +73,7 @@ void LinkServer::step(Time now) {
   for (std::size_t i = 0; i < events.size(); ++i) {
     if (events[i].is_closed) continue;
     wire::Envelope& envelope = envelopes[i].emplace();
-    if (!envelope.ParseFromString(events[i].message.payload)) envelopes[i].reset();
+    if (!parse(events[i].message.payload, envelope)) envelopes[i].reset();
     else if (envelope.has_stop()) on_stop({session_of(events[i].stream), envelope, events[i].message.arrival, now});
     if (envelopes[i] && envelope.has_stop()) first_after_stop = i + 1;
   }

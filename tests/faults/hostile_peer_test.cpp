@@ -120,5 +120,24 @@ TEST_F(HostilePeer, AnnouncingAHugeFrameGetsNoMemory) {
   expect_unmoved(began);
 }
 
+/// A Hello that says it is 200 MB long, with an unknown field of 40 MB: the frame is within its limit.
+TEST_F(HostilePeer, AnnouncingAHugeFieldGetsNoMemory) {
+  const auto field = [](unsigned number, std::uint32_t size) {
+    std::string bytes;
+    for (std::uint64_t value : {std::uint64_t{number} << 3 | 2, std::uint64_t{size}}) {
+      for (; value > 0x7F; value >>= 7) bytes += static_cast<char>(value | 0x80);
+      bytes += static_cast<char>(value);
+    }
+    return bytes;
+  };
+  rig.take_largest_allocation();
+  const Time began = rig.now;
+  RawPeer peer(rig.link->port());
+  const std::string payload = field(wire::Envelope::kHelloFieldNumber, 200u << 20) + field(99, 40u << 20) + noise(300);
+  peer.send(wire::encode_frame(wire::FrameType::kLink, payload));
+  rig.cycles(5);
+  expect_unmoved(began);
+}
+
 }  // namespace
 }  // namespace armsight::faults
