@@ -178,10 +178,10 @@ void FileWriter::Impl::tell_broken(const std::string& sentence) {
   if (told_broken.insert(sentence).second) std::fprintf(stderr, "arm_controller: %s\n", sentence.c_str());
 }
 
-void FileWriter::Impl::save(const ModelEvent& model) {
+void FileWriter::Impl::save(const ModelEvent& newest) {
   try {
-    save_model_in_force(folder, robot, model);
-    saved_revision.store(model.model.revision, std::memory_order_release);
+    save_model_in_force(folder, robot, newest);
+    saved_revision.store(newest.model.revision, std::memory_order_release);
     last_complaint.clear();
   } catch (const std::exception& e) {
     if (e.what() != last_complaint) std::fprintf(stderr, "arm_controller: %s\n", e.what());

@@ -40,7 +40,9 @@ TEST(Histogram, ItsQuantilesAreThoseOfTheSortedDurationsToABucket) {
     ASSERT_EQ(Histogram::bucket_of(quantile), Histogram::bucket_of(reference)) << k;
     ASSERT_GE(quantile, reference) << k;
     ASSERT_LE(static_cast<double>(quantile), static_cast<double>(reference) * (1.0 + 1.0 / 32.0)) << k;
-    if (reference < 64) ASSERT_EQ(quantile, reference) << k;
+    if (reference < 64) {
+      ASSERT_EQ(quantile, reference) << k;
+    }
   }
 }
 

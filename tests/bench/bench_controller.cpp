@@ -11,15 +11,16 @@ namespace {
 
 using namespace test;
 
+constexpr std::size_t kRounds = 1000;
+
 Row filter_row(const std::string& name, int max_iterations, double most_us, int blocks) {
-  constexpr std::size_t kInputs = 1000;
   std::mt19937 random(1);
   const TrueRobot truth = true_robot(random);
   EkfOptions options;
   options.max_iterations = max_iterations;
   std::vector<HandPoseMeasurement> looks;
   std::vector<JointOffsetEkf> starts;
-  for (std::size_t i = 0; i < kInputs; ++i) {
+  for (std::size_t i = 0; i < kRounds; ++i) {
     looks.push_back(look_at(truth, random_visible_posture(truth, random), {}, false, random));
     looks.back().has_second = false;
     starts.emplace_back(truth.arm.chain, options);
@@ -27,34 +28,33 @@ Row filter_row(const std::string& name, int max_iterations, double most_us, int 
   }
   JointOffsetEkf ekf = starts.front();
   std::size_t fused = 0, iterations = 0;
-  for (std::size_t i = 0; i < kInputs; ++i) {
+  for (std::size_t i = 0; i < kRounds; ++i) {
     ekf = starts[i];
     const FusionReport report = ekf.update(looks[i]);
     fused += report.outcome == FusionOutcome::kFused ? 1 : 0;
     iterations += static_cast<std::size_t>(report.iterations);
   }
-  const Paired time = time_paired(kInputs, blocks, [&](std::size_t i) {
+  const Paired time = time_paired(kRounds, blocks, [&](std::size_t i) {
     ekf = starts[i];
     keep(ekf.update(looks[i]));
   });
   Row row{name, "us", time.ours_us, {}, "", "at most " + std::to_string(int(most_us)) + " us", {}, {}};
-  row.holds = fused > kInputs / 2 && time.ours_us <= most_us;
-  row.why = std::to_string(fused) + " of " + std::to_string(kInputs) + " looks fused, " +
-            std::to_string(static_cast<double>(iterations) / kInputs).substr(0, 4) + " inner steps on average";
+  row.holds = fused > kRounds / 2 && time.ours_us <= most_us;
+  row.why = std::to_string(fused) + " of " + std::to_string(kRounds) + " looks fused, " +
+            std::to_string(static_cast<double>(iterations) / kRounds).substr(0, 4) + " inner steps on average";
   return row;
 }
 
 /// Another target every cycle, so a new plan from motion each time: the dearest step.
 Row joint_servo_row(int blocks) {
-  constexpr std::size_t kInputs = 1000;
   const ArmModel arm = default_arm();
   std::mt19937 random(3);
   std::vector<JointVector> targets;
-  for (std::size_t i = 0; i < kInputs; ++i) targets.push_back(random_within(arm.limits, random));
+  for (std::size_t i = 0; i < kRounds; ++i) targets.push_back(random_within(arm.limits, random));
   JointServo servo(arm.limits);
   servo.reset(joints({0.3, -0.4, 0.5, 1.0, 0.2}));
   const Paired time =
-      time_paired(kInputs, blocks, [&](std::size_t i) { keep(servo.step_towards(targets[i], 1.0, 0.004)); });
+      time_paired(kRounds, blocks, [&](std::size_t i) { keep(servo.step_towards(targets[i], 1.0, 0.004)); });
   return {"jerk-limited joint servo, five joints, a new target every cycle", "us", time.ours_us, {}, "", "", {}, {}};
 }
 

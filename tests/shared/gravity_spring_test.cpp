@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
                     SpringCase{"TanNoPreset", {SpringLaw::kTan, 0.5, 2.0, 0.0, 0.45}},
                     SpringCase{"SinhPlugin", {SpringLaw::kSinh, 0.0019, 8.9992, 0.3, 0.8}},
                     SpringCase{"SinhRobot", {SpringLaw::kSinh, 0.02, 11.0, 0.2, 0.8}}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& chain) { return chain.param.name; });
 
 // "1 N·m bends a joint by 27° (a 9, k .0019, p 0.3), 10° (p 0.6), 12.5° (a 11, k .02, p 0.2), 3° (p 0.4)".
 TEST(Spring, BendsAsMuchAsTheSpecificationSays) {

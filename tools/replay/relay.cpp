@@ -37,21 +37,21 @@ tcp::endpoint endpoint(const char* flag, const std::string& address) {
   return {ip, static_cast<unsigned short>(port)};
 }
 
-/// One direction of the relay.
-struct Pump {
-  Pump(tcp::socket& source, tcp::socket& sink, bool towards_controller)
-      : from(source), to(sink), to_controller(towards_controller),
-        decoder(wire::FrameType::kLink, towards_controller ? wire::kMaxToController : wire::kMaxFromController) {}
-  tcp::socket& from;
-  tcp::socket& to;
-  bool to_controller;
-  wire::FrameDecoder decoder;
-  std::array<char, 16 * 1024> bytes{};
-};
-
 }  // namespace
 
 struct Relay::Impl {
+  /// One direction of the relay.
+  struct Pump {
+    Pump(tcp::socket& source, tcp::socket& sink, bool towards_controller)
+        : from(source), to(sink), to_controller(towards_controller),
+          decoder(wire::FrameType::kLink, towards_controller ? wire::kMaxToController : wire::kMaxFromController) {}
+    tcp::socket& from;
+    tcp::socket& to;
+    bool to_controller;
+    wire::FrameDecoder decoder;
+    std::array<char, 16 * 1024> bytes{};
+  };
+
   explicit Impl(const RelayOptions& o);
 
   void open_file();
