@@ -27,7 +27,7 @@ void put_lease(const Lease& lease, wire::CycleInput& out) {
   out.set_lease_why_free(static_cast<std::uint32_t>(lease.why_free));
 }
 
-wire::CycleInput input_of(const CycleRecord& record, const std::optional<TickInbox>& orders) {
+wire::CycleInput input_of(const CycleRecord& record, const TickInbox* orders) {
   wire::CycleInput out;
   out.set_cycle(record.cycle);
   out.set_time_ns(to_ns(record.cycle_time));
@@ -36,7 +36,7 @@ wire::CycleInput input_of(const CycleRecord& record, const std::optional<TickInb
   out.set_stop(record.stop);
   out.set_model_not_saved(record.model_not_saved);
   if (record.lease) put_lease(*record.lease, out);
-  out.set_is_incomplete(record.frames_left_out > 0 || record.has_orders != orders.has_value());
+  out.set_is_incomplete(record.frames_left_out > 0 || record.has_orders != (orders != nullptr));
   if (orders) out.set_orders(reinterpret_cast<const char*>(&*orders), sizeof *orders);
   return out;
 }
@@ -46,7 +46,7 @@ wire::CycleInput input_of(const CycleRecord& record, const std::optional<TickInb
 void BlackBox::keep(const TickRecord& record) {
   Cycle cycle{record, {record.frames.begin(), record.frames.begin() + static_cast<std::ptrdiff_t>(record.frame_count)}, {}};
   while (!orders_.empty() && orders_.front().cycle <= record.cycle) {
-    if (orders_.front().cycle == record.cycle) cycle.orders = orders_.front().inbox;
+    if (orders_.front().cycle == record.cycle) cycle.orders = std::make_unique<TickInbox>(orders_.front().inbox);
     orders_.pop_front();
   }
   cycles_.push_back(std::move(cycle));
@@ -83,7 +83,7 @@ void BlackBox::write(const std::filesystem::path& file, const wire::RecordingInf
     for (const Cycle& cycle : cycles_) {
       box.write(cycle.record);
       box.write_frames(cycle.frames);
-      box.write(input_of(cycle.record, cycle.orders), cycle.record.cycle_time);
+      box.write(input_of(cycle.record, cycle.orders.get()), cycle.record.cycle_time);
     }
     box.flush();
     if (!box.is_good()) throw std::runtime_error(file.string() + ": cannot be written to its end (disk full?)");

@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -26,7 +27,7 @@ class BlackBox {
   struct Cycle {
     CycleRecord record;
     std::vector<TapeFrame> frames;
-    std::optional<TickInbox> orders;
+    std::unique_ptr<const TickInbox> orders;  ///< few cycles have any, and they are large
   };
   struct Checkpoint {
     std::uint64_t cycle;

@@ -15,7 +15,7 @@ namespace armsight::arm {
 
 class JointHistory {
  public:
-  static constexpr std::size_t kCapacity = 2048;  ///< 8 s at 250 Hz, 4 s at 500 Hz
+  static constexpr std::size_t kCapacity = 1024;  ///< 4 s at 250 Hz, 2 s at 500 Hz
 
   static constexpr int kLongestGap = 5;  ///< periods: two bridged samples, and some
 

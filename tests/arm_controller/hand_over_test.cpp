@@ -48,8 +48,8 @@ TEST(JointHistory, ForgetsTheOldestAndIgnoresTimeThatDoesNotRise) {
   auto history = std::make_unique<JointHistory>(std::chrono::milliseconds(4));
   for (int i = 0; i < 3000; ++i) history->push({ms(4 * i), one(i), one(0)});
   EXPECT_EQ(history->size(), JointHistory::kCapacity);
-  EXPECT_FALSE(history->at(ms(4 * 900)));
-  EXPECT_TRUE(history->at(ms(4 * 1000)));
+  EXPECT_FALSE(history->at(ms(4 * 1900)));
+  EXPECT_TRUE(history->at(ms(4 * 2000)));
   history->push({ms(4 * 2999), one(-1), one(0)});
   EXPECT_EQ(history->newest(0).q_rad[0], 2999);
 }
