@@ -22,7 +22,8 @@ const char* const kHelp =
     "  --clock sim:PATH       simulated clock of that arm_sim; without it: this machine's\n"
     "  --rate HZ              instead of the configured period; what the bus cannot carry is refused (can_budget)\n"
     "  --replay FILE          go through a black box of this very executable again, alone: same (0) or different (1)\n"
-    "  --require-rt           refuse to run without SCHED_FIFO and locked memory\n"
+    "  --cpu N                CPU of the cycle, best an isolated one\n"
+    "  --require-rt           refuse to run without SCHED_FIFO, locked memory and the CPU of --cpu\n"
     "  --help\n"
     "\n"
     "Exit codes: 0 left as asked, 1 gave up (a mistake of ours), 2 bad flag, file or configuration, 3 bus or simulated clock lost.\n";
@@ -41,6 +42,13 @@ double rate(const std::string& value) {
   if (*end != '\0' || !std::isfinite(hz) || hz < 50.0 || hz > 1000.0)
     throw FlagError("--rate " + value + ": must be a number in [50, 1000]");
   return hz;
+}
+
+int cpu_number(const std::string& value) {
+  char* end = nullptr;
+  const long cpu = std::strtol(value.c_str(), &end, 10);
+  if (*end != '\0' || cpu < 0 || cpu > 1023) throw FlagError("--cpu " + value + ": must be a number in [0, 1023]");
+  return static_cast<int>(cpu);
 }
 
 // What the name means is settled once, here: a second look-up might answer otherwise.
@@ -92,7 +100,8 @@ Flags parse_flags(int argc, const char* const* argv) {
       value = argv[++i];
     }
     const auto text = texts.find(flag);
-    const bool is_known = text != texts.end() || flag == "--can" || flag == "--bus" || flag == "--clock" || flag == "--rate";
+    const bool is_known = text != texts.end() || flag == "--can" || flag == "--bus" || flag == "--clock" || flag == "--rate" ||
+                          flag == "--cpu";
     if (!is_known) throw FlagError(flag + ": unknown flag (see --help)");
     if (value.empty()) throw FlagError(flag + ": needs a value");
     if (text != texts.end()) *text->second = value;
@@ -100,6 +109,7 @@ Flags parse_flags(int argc, const char* const* argv) {
     if (flag == "--bus") flags.emulated_bus.push_back(after_prefix(flag, value, "emulated:"));
     if (flag == "--clock") flags.sim_clock = after_prefix(flag, value, "sim:");
     if (flag == "--rate") flags.rate_hz = rate(value);
+    if (flag == "--cpu") flags.cpu = cpu_number(value);
   }
   check(flags);
   return flags;

@@ -1,6 +1,7 @@
 // The command line of the controller: a handful of flags, read by hand so that the arm computer needs no library for it.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ struct Flags {
   std::string replay;         ///< black box to go through again, and nothing else
   std::string sim_clock;      ///< path
   double rate_hz = 0.0;       ///< 0: as configured
+  std::optional<int> cpu;     ///< of the cycle; none: wherever the system puts it
 };
 
 /// Bad flag: exit code 2; what() says which, and which rule.

@@ -4,6 +4,7 @@
 
 #include "arm_controller/black_box_replay.hpp"
 #include "arm_controller/program.hpp"
+#include "arm_controller/real_time.hpp"
 #include "arm_controller/socket_can.hpp"
 
 namespace {
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
     }
     if (!flags.replay.empty()) return replay(flags.replay);
     catch_signals();
+    arm::prepare_memory();
     arm::Program program(flags);
     return program.run(g_leaves);
   } catch (const arm::BusError& e) {

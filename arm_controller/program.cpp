@@ -88,7 +88,7 @@ std::string kind_of_bus(const Flags& flags) {
 
 }  // namespace
 
-Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), robot_(load(flags)) {
+Program::Program(const Flags& flags) : requires_real_time_(flags.require_rt), cpu_(flags.cpu), robot_(load(flags)) {
   check_bus_count(flags, robot_);
   state_folder_ = hold_state_folder(flags.state);
   start_ = load_model_in_force(flags.state, robot_);
@@ -177,13 +177,24 @@ void Program::link_thread() {
   service_manager_.say_stopping();
 }
 
-void Program::cycle_thread(const std::atomic<bool>& leaves) {
-  const std::vector<std::string> refused = become_real_time();
-  for (const std::string& sentence : refused) std::fprintf(stderr, "arm_controller: %s\n", sentence.c_str());
-  if (requires_real_time_ && !refused.empty()) {
-    std::fprintf(stderr, "arm_controller: --require-rt: not granted, see above\n");
-    exit_code_ = 2;
+bool Program::set_up_real_time() {
+  std::vector<NotGranted> all = lock_memory();
+  for (const NotGranted& refused : become_real_time(cpu_)) all.push_back(refused);
+  machine_.emplace(cpu_);
+  for (const NotGranted& refused : machine_->not_granted()) all.push_back(refused);
+  bool is_enough = true;
+  for (const NotGranted& refused : all) {
+    std::fprintf(stderr, "arm_controller: real time: %s%s\n", refused.is_needed ? "NOT GRANTED: " : "",
+                 refused.sentence.c_str());
+    is_enough = is_enough && !refused.is_needed;
   }
+  if (all.empty()) std::fprintf(stderr, "arm_controller: real time: all that was asked for was granted\n");
+  if (requires_real_time_ && !is_enough) std::fprintf(stderr, "arm_controller: --require-rt: refused, see above\n");
+  return is_enough || !requires_real_time_;
+}
+
+void Program::cycle_thread(const std::atomic<bool>& leaves) {
+  if (!set_up_real_time()) exit_code_ = 2;
   try {
     while (exit_code_ != 2) {
       const Time now = clock_->wait_next_cycle();

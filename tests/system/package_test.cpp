@@ -76,7 +76,8 @@ TEST_F(Package, HoldsTheProgramItsFileItsUnitAndItsPage) {
   const std::string content = shell("dpkg-deb -c '" + package_.string() + "'").text;
   for (const char* file :
        {"./usr/bin/arm_controller", "./etc/armsight/arm.yaml", "./usr/share/man/man8/arm_controller.8",
-        "./lib/systemd/system/armsight-controller@.service", "./usr/share/armsight-controller/network/80-can0.network"})
+        "./lib/systemd/system/armsight-controller@.service", "./lib/udev/rules.d/60-armsight-controller.rules",
+        "./usr/lib/sysusers.d/armsight-controller.conf", "./usr/share/armsight-controller/network/80-can0.network"})
     EXPECT_NE(content.find(file), std::string::npos) << file << " is not in\n" << content;
   EXPECT_EQ(shell("dpkg-deb -I '" + package_.string() + "' conffiles").text, "/etc/armsight/arm.yaml\n");
 }

@@ -266,8 +266,9 @@ Simulation::End Simulation::run(const AdvanceCamera& advance_camera, const std::
     });
     std::optional<Wakefulness> wakefulness;
     if (impl_->period() <= kNeedsWakefulness) wakefulness.emplace();
-    for (const std::string& sentence : arm::become_real_time(kBusPriority))
-      std::fprintf(stderr, "arm_sim: %s; the drives may stall\n", sentence.c_str());
+    std::vector<arm::NotGranted> refused = arm::lock_memory();
+    for (const arm::NotGranted& item : arm::become_real_time(std::nullopt, kBusPriority)) refused.push_back(item);
+    for (const arm::NotGranted& item : refused) std::fprintf(stderr, "arm_sim: %s\n", item.sentence.c_str());
     is_finished = impl_->run_real(is_stopping);
     impl_->report_stalls();
   }
