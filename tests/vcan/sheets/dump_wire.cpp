@@ -1,9 +1,11 @@
 // What the code itself says of the wire, for readers that are not ours to compare the data sheets with:
 //   object INDEX SUB BYTES ro|rw VALUE      each object that the simulated drive (node 3) answers for
 //   frame MESSAGE.HEX SIGNAL=VALUE ...      frames that our code made of these values
+//   physical MESSAGE.HEX SIGNAL=VALUE ...   the same, the values rounded to the signals' codes by the encoder
 #include <cstdio>
 #include <string>
 
+#include "protocol/mit_frames.hpp"
 #include "tests/sim/drive_bench.hpp"
 
 namespace {
@@ -20,10 +22,20 @@ void print_object(DriveBench& bench, ObjectAddress object) {
               answer->value);
 }
 
-void print_frame(const char* message, const CanFrame& frame, const std::string& signals) {
-  std::printf("frame %s %X ", message, frame.id);
+void print_frame(const char* message, const CanFrame& frame, const std::string& signals,
+                 const char* kind = "frame") {
+  std::printf("%s %s %X ", kind, message, frame.id);
   for (int i = 0; i < frame.size; ++i) std::printf("%02X", frame.data[static_cast<std::size_t>(i)]);
   std::printf(" %s\n", signals.c_str());
+}
+
+void print_mit_frames() {
+  const MitRanges ranges{12.5, 30.0, 10.0};  // those of the DBC: a DM4310
+  print_frame("Joint2_MitCommand", encode(MitCommand{-1.25, 3.5, 80.0, 2.0, -4.5}, 2, ranges),
+              "Position=-1.25 Speed=3.5 Kp=80 Kd=2 Torque=-4.5", "physical");
+  print_frame("Joint4_MitSample", encode(MitSample{MitState::kWindingHot, 3.75, -12.5, 7.25, 41, 83}, 20, 4, ranges),
+              "State=12 Motor=4 Position=3.75 Speed=-12.5 Torque=7.25 PowerStage=41 Winding=83", "physical");
+  print_frame("MitRegister", encode_mit_write(MitRegister::kTimeout, 400, 5), "Motor=5 Command=85 Register=9 Value=400");
 }
 
 }  // namespace
@@ -43,4 +55,5 @@ int main() {
               "Command=75 Index=24641 SubIndex=0 Data=576");
   print_frame("Joint4_Heartbeat", encode(Heartbeat{NmtState::kOperational}, 4), "State=5");
   print_frame("Controller_Heartbeat", encode(Heartbeat{NmtState::kOperational}, kControllerNode), "State=5");
+  print_mit_frames();
 }
