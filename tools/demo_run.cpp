@@ -23,7 +23,7 @@ void add_options(armsight::tools::CommandLine& line, DemoOptions& options) {
   line.add("--report", options.report_dir, "folder for report.html and report.json (default HOME/out/demo)");
   line.add("--robot", options.robot_file, "robot file (default HOME/tools/experiments/demo_robot.yaml)");
   line.add("--noise", options.noise, "noise set").one_of({"clean", "nominal", "hard"}).show_default();
-  line.add("--can", options.can_interface, "CAN interface instead of the emulated bus; implies --pace real");
+  line.add("--can", options.can_interfaces, "CAN interface, once a bus, not the emulated one; implies --pace real");
   line.add("--pace", options.pace, "pace").one_of({"lockstep", "real"}).show_default();
   line.add("--home", options.home, "folder of the repository").existing_folder();
 }
@@ -35,7 +35,7 @@ void complete(DemoOptions& options) {
   if (options.robot_file.empty()) options.robot_file = options.home / "tools/experiments/demo_robot.yaml";
   options.report_dir = fs::absolute(options.report_dir);
   options.robot_file = fs::absolute(options.robot_file);
-  if (!options.can_interface.empty()) options.pace = "real";
+  if (!options.can_interfaces.empty()) options.pace = "real";
 }
 
 void write(const fs::path& file, const std::string& text) {

@@ -2,6 +2,7 @@
 // frames, an interface that is not there.
 #include <csignal>
 
+#include "tests/system/mixed_robot.hpp"
 #include "tests/system/system_rig.hpp"
 #include "tests/vcan/vcan_rig.hpp"
 
@@ -14,10 +15,12 @@ class ArmOnVcan : public SystemTest {
     ARMSIGHT_NEEDS_VCAN();
     DemoOptions options = quiet_robot();
     options.pace = "real";
-    options.can_interface = "vcan0";
+    options.can_interfaces = {"vcan0"};
     options.robot_file = vcan::guest_robot(options.home, robot_file("guest.yaml"));
+    adapt(options);
     start(options);
   }
+  virtual void adapt(DemoOptions&) const {}
 
   std::string line_of(const std::string& start) {
     for (const std::string& line : arm().host_lines())
@@ -38,6 +41,27 @@ TEST_F(ArmOnVcan, MovesTellsItsStateAndStops) {
   EXPECT_EQ(conductor().end("host"), 1) << "a move that was stopped did not arrive";
   ASSERT_EQ(arm().host({"status"}), 0);
   EXPECT_NE(line_of("mode:").find("hold"), std::string::npos) << line_of("mode:") << "; " << line_of("fault:");
+}
+
+/// Shoulder on vcan0, CANopen; elbow and forearm on vcan1, DAMIAO in CAN FD.
+class TwoBusesOnVcan : public ArmOnVcan {
+ protected:
+  void adapt(DemoOptions& options) const override {
+    options.can_interfaces.push_back("vcan1");
+    make_damiao(options.robot_file, {4, 5});
+  }
+};
+
+TEST_F(TwoBusesOnVcan, MoveBothFamiliesOneInCanFd) {
+  ASSERT_EQ(arm().host({"move", "--joints=0.3,-0.3,-0.2,1.2,0.4"}), 0);
+  ASSERT_EQ(arm().host({"status"}), 0);
+  EXPECT_NE(line_of("controller:").find("socketcan vcan0+vcan1"), std::string::npos) << line_of("controller:");
+  EXPECT_NE(line_of("joints:").find("17.2 -17.2 -11.5 68.8 22.9 deg read"), std::string::npos) << line_of("joints:");
+  const BusShares shares = count_frames(read_bus_log(folder_), "vcan0");
+  EXPECT_GT(shares.classic_on_first, 100);
+  EXPECT_GT(shares.fd_on_second, 100);
+  EXPECT_EQ(shares.fd_on_first, 0);
+  EXPECT_EQ(shares.classic_on_second, 0);
 }
 
 }  // namespace

@@ -124,7 +124,7 @@ void Session::describe() {
   report_.seed = options_.seed;
   report_.noise = options_.noise;
   report_.pace = options_.pace;
-  report_.bus = options_.can_interface.empty() ? "emulated" : "socketcan";
+  report_.bus = options_.can_interfaces.empty() ? "emulated" : "socketcan";
   const std::string& line = arm_.bus_line();
   const auto open = line.find('(');
   report_.bus_line = "Bus: " + (open == std::string::npos ? line : line.substr(open + 1, line.find(')') - open - 1));

@@ -14,7 +14,8 @@ struct DemoOptions {
   std::filesystem::path programs;    ///< folder of arm_sim, arm_controller, host
   std::filesystem::path report_dir, robot_file;
   std::uint64_t seed = 1;
-  std::string noise = "nominal", pace = "lockstep", can_interface;
+  std::string noise = "nominal", pace = "lockstep";
+  std::vector<std::string> can_interfaces;   ///< one for each bus of the robot; none: emulated
   std::filesystem::path true_robot_file;  ///< what arm_sim simulates where it is not robot_file: for tests
   std::map<std::string, std::vector<std::string>> tracers;  ///< for tests: what a program is started through
 };

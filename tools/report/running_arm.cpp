@@ -68,7 +68,7 @@ void RunningArm::start_controller() {
   const std::string listen = link_.empty() ? "127.0.0.1:0" : link_;
   std::vector<std::string> arguments{"--config", options_.robot_file.string(), "--listen", listen,
                                      "--state", (run_dir_ / "controller").string()};
-  if (options_.can_interface.empty())
+  if (options_.can_interfaces.empty())
     arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_.path() / "clock").string()});
   for (const std::string& word : bus_arguments()) arguments.push_back(word);
   link_ = server("arm_controller", arguments, "arm_controller: listening on ");
@@ -76,8 +76,9 @@ void RunningArm::start_controller() {
 }
 
 std::vector<std::string> RunningArm::bus_arguments() const {
-  if (!options_.can_interface.empty()) return {"--can", options_.can_interface};
   std::vector<std::string> words;
+  for (const std::string& interface : options_.can_interfaces) words.insert(words.end(), {"--can", interface});
+  if (!words.empty()) return words;
   const int count = load_robot(options_.robot_file).bus_count();
   for (int bus = 0; bus < count; ++bus)
     words.insert(words.end(), {"--bus", "emulated:" + (sockets_.path() / ("bus" + std::to_string(bus))).string()});
