@@ -35,7 +35,8 @@ void print_mit_frames() {
               "Position=-1.25 Speed=3.5 Kp=80 Kd=2 Torque=-4.5", "physical");
   print_frame("Joint4_MitSample", encode(MitSample{MitState::kWindingHot, 3.75, -12.5, 7.25, 41, 83}, 20, 4, ranges),
               "State=12 Motor=4 Position=3.75 Speed=-12.5 Torque=7.25 PowerStage=41 Winding=83", "physical");
-  print_frame("MitRegister", encode_mit_write(MitRegister::kTimeout, 400, 5), "Motor=5 Command=85 Register=9 Value=400");
+  print_frame("MitRegister", encode_mit_write(MitRegister::kTimeout, 400, 5),
+              "Motor=5 Command=85 Register=9 Value=400");
 }
 
 }  // namespace
