@@ -159,6 +159,28 @@ const JointSetpoint& JointServo::step_to_rest(double dt_s) {
   return setpoint_;
 }
 
+JointVector JointServo::stopping_rad(double part) const {
+  JointVector q = setpoint_.q_rad;
+  std::array<SpeedChange, kMaxJoints> courses;
+  double longest_s = 0.0;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    courses[index(i)] = armsight::stop(axis(i), trip_limits_[index(i)]);
+    longest_s = std::max(longest_s, courses[index(i)].duration_s());
+  }
+  for (Eigen::Index i = 0; i < q.size(); ++i)
+    q[i] = advance(axis(i), courses[index(i)], std::min(part * longest_s, courses[index(i)].duration_s())).q_rad;
+  return q;
+}
+
+JointVector JointServo::stopping_excursion_rad(const JointVector& q_rad) const {
+  JointVector excursion(q_rad.size());
+  for (Eigen::Index i = 0; i < q_rad.size(); ++i) {
+    const StopSpan span = stop_span(axis(i), trip_limits_[index(i)]);
+    excursion[i] = std::max(std::abs(span.lowest_rad - q_rad[i]), std::abs(span.highest_rad - q_rad[i]));
+  }
+  return excursion;
+}
+
 bool JointServo::is_at_rest() const {
   return (setpoint_.speed_rad_s.array() == 0.0).all() && (setpoint_.acceleration_rad_s2.array() == 0.0).all();
 }

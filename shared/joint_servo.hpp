@@ -37,6 +37,10 @@ class JointServo {
 
   const JointSetpoint& setpoint() const { return setpoint_; }
   bool is_at_rest() const;
+  /// Where a stop that begins now would lead, `part` of its time later: 1 is its end.
+  JointVector stopping_rad(double part) const;
+  /// How far from q_rad each joint comes at most, from now to the end of that stop.
+  JointVector stopping_excursion_rad(const JointVector& q_rad) const;
 
  private:
   AxisState axis(Eigen::Index i) const;

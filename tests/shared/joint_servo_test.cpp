@@ -200,5 +200,21 @@ TEST_F(JointServoTest, BrakesOnWhatIsNoNumber) {
   EXPECT_EQ(servo.setpoint().q_rad, q);
 }
 
+TEST_F(JointServoTest, KnowsWhereAStopWouldLeadAndHowFarFromAnyPlace) {
+  for (int k = 0; k < 40; ++k) {
+    const JointVector target = random_within(limits, random), place = random_within(limits, random);
+    for (int step = 0; step < 20 + 7 * k; ++step) servo.step_towards(target, 1.0, kDt);
+    const JointVector end = servo.stopping_rad(1.0), farthest = servo.stopping_excursion_rad(place);
+    JointServo braking = servo;
+    JointVector excursion = (servo.setpoint().q_rad - place).cwiseAbs();
+    while (!braking.is_at_rest())
+      excursion = excursion.cwiseMax((braking.step_to_rest(kDt).q_rad - place).cwiseAbs());
+    EXPECT_LT((braking.setpoint().q_rad - end).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LE((excursion - farthest).maxCoeff(), 1e-9);
+    EXPECT_LT((farthest - excursion).maxCoeff(), 1e-3) << "sampled";
+    EXPECT_EQ(servo.stopping_rad(0.0), servo.setpoint().q_rad);
+  }
+}
+
 }  // namespace
 }  // namespace armsight
