@@ -93,10 +93,15 @@ double position_manipulability(const SerialChain& chain, const Jacobian& J, doub
     xx += x * x, yy += y * y, zz += z * z;
     xy += x * y, xz += x * z, yz += y * z;
   }
+  const double least = enough * enough * length * length;
+  const double x = xx - least, y = yy - least, z = zz - least;
+  // Positive definite still, by its leading minors: all eigenvalues lie above. Spares nearly all postures the iteration.
+  if (x > 0.0 && x * y > xy * xy && x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz) > 0.0)
+    return enough;
   const double e1 = xx + yy + zz;
   const double e2 = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz);
   const double e3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  return std::sqrt(smallest_root(e1, e2, e3, enough * enough * length * length)) / length;
+  return std::sqrt(smallest_root(e1, e2, e3, least)) / length;
 }
 
 double reach_m(const SerialChain& chain) { return chain.T_B_0.p.norm() + links_length_m(chain); }

@@ -25,8 +25,7 @@ double damping_squared(const SerialChain& chain, const Jacobian& J, double dampi
 JointVector pose_servo_speeds(const SerialChain& chain, const JointVector& q_real, const Pose& T_B_G,
                               const JointVector& min_rad, const JointVector& max_rad,
                               const JointVector& max_speed_rad_s, double dt_s, const PoseServoOptions& options) {
-  const JointVector still = JointVector::Zero(chain.joint_count);
-  if (!q_real.allFinite() || !is_finite(T_B_G) || !(dt_s > 0.0)) return still;
+  if (!q_real.allFinite() || !is_finite(T_B_G) || !(dt_s > 0.0)) return JointVector::Zero(chain.joint_count);
   const HandKinematics hand = hand_kinematics(chain, q_real);
   const Vector6 wanted = options.gain_per_s * pose_error(T_B_G, hand.T_B_H);
   // The normal equations of min |W (J q̇ − wanted)|², W = diag(1, 1, 1, w, w, w).
@@ -48,8 +47,9 @@ JointVector pose_servo_speeds(const SerialChain& chain, const JointVector& q_rea
     lower[i] = std::min(std::max((min_rad[i] - q_real[i]) * per_dt, -most), most);
     upper[i] = std::max(std::min((max_rad[i] - q_real[i]) * per_dt, most), -most);
   }
-  const JointVector speeds = solve_box_qp(N, g, lower, upper);
-  return speeds.allFinite() ? speeds : still;
+  JointVector speeds = solve_box_qp(N, g, lower, upper);
+  if (!speeds.allFinite()) speeds.setZero();
+  return speeds;
 }
 
 }  // namespace armsight
