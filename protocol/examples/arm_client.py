@@ -18,10 +18,8 @@ VERSION = 100  # 100 * major + minor
 
 class Link:
     def __init__(self, address, role, model_hash=0):
-        host, port = address.rsplit(":", 1)
-        self.socket = socket.create_connection((host, int(port)), timeout=1.0)
-        self.sequence, self.session, self.buffer = 0, 0, b""
-        self.state = None  # the newest ArmState
+        self.socket = socket.create_connection(tuple(address.rsplit(":", 1)), timeout=1.0)
+        self.sequence, self.session, self.buffer, self.state = 0, 0, b"", None  # state: the newest ArmState
         self.send(hello=wire.Hello(protocol_version=VERSION, program="arm_client", role=role, model_hash=model_hash))
         self.reply = self.wait("hello_reply")
         self.session = self.reply.session
@@ -51,8 +49,7 @@ class Link:
         if envelope.HasField("refusal"):
             sys.exit(f"refused: {wire.RefusalReason.Name(envelope.refusal.reason)}: {envelope.refusal.text}")
         if envelope.HasField("stop_report"):
-            report = envelope.stop_report
-            print(f"stop {report.code} ({report.side}): {report.text}")
+            print("stop {0.code} ({0.side}): {0.text}".format(envelope.stop_report))
         if envelope.HasField("arm_state"):
             self.state = envelope.arm_state
         return envelope
@@ -71,8 +68,7 @@ class Link:
 
 
 def main(address, turn_rad):
-    # A commander proves with the hash that it means the same arm. We send joint angles only and know no arm of our own,
-    # so we take the controller's word for it.
+    # A commander proves with the hash that it means the same arm; knowing none, we take the controller's word for it.
     model_hash = Link(address, wire.ROLE_OBSERVE).reply.model_hash
     arm = Link(address, wire.ROLE_COMMAND, model_hash)
     print(f"{arm.reply.robot}: {arm.reply.joint_count} joints at {arm.reply.rate_hz:.0f} Hz on {arm.reply.bus}")
