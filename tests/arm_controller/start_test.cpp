@@ -70,7 +70,7 @@ TEST(Rate, KeepsTheRulesOfTheConfiguration) {
   EXPECT_NE(complaint_at_rate(300).find("--rate 300"), std::string::npos);
   EXPECT_NE(complaint_at_rate(300).find("whole number, 1 to 255, of 1 ms or of 0.1 ms"), std::string::npos);
   EXPECT_NE(complaint_at_rate(50).find("rpdo_deadline_s must be at least two periods"), std::string::npos);
-  for (const double good : {100.0, 250.0, 400.0, 500.0}) EXPECT_EQ(complaint_at_rate(good), "");
+  for (const double good : {125.0, 250.0, 400.0, 500.0}) EXPECT_EQ(complaint_at_rate(good), "");
 }
 
 TEST(Rate, RefusesWhatTheBusDoesNotCarryAndNamesWhatItDoes) {

@@ -27,7 +27,7 @@ TEST_F(LostController, DrivesStartTheirQuickStopWithin20MillisecondsOfTheLastSet
   for (std::uint8_t node = 1; node <= kNodes; ++node) {
     const auto left = rig.left(node, DriveState::kOperationEnabled, killed);
     ASSERT_TRUE(left) << "drive " << int{node} << " goes on";
-    EXPECT_LE(*left - last_frame(kRpdo1Base + node), 21ms) << "drive " << int{node} << "; the trace has milliseconds";
+    EXPECT_LE(*left - last_frame(kRpdo1Base + node), 20ms) << "drive " << int{node};
     EXPECT_EQ(rig.drive(node), DriveState::kQuickStopActive) << "still powered";
   }
   EXPECT_EQ(rig.fastest_rad_s(), 0.0);

@@ -124,8 +124,8 @@ TEST_F(MixedArm, AModeThatCannotBeSetIsRefused) {
 
 TEST_F(MixedArm, ItsTimeOutIsSetToTheDeadline) {
   ASSERT_TRUE(arm.power_up());
-  EXPECT_EQ(elbow().register_value(MitRegister::kTimeout), 400u) << "20 ms in steps of 50 us";
-  EXPECT_NE(check_text().find("lets go 20.0 ms after the last command: no quick stop, no hold"), std::string::npos)
+  EXPECT_EQ(elbow().register_value(MitRegister::kTimeout), 360u) << "18 ms in steps of 50 us";
+  EXPECT_NE(check_text().find("lets go 18.0 ms after the last command: no quick stop, no hold"), std::string::npos)
       << check_text();
 }
 

@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/candump.hpp"
@@ -19,6 +22,26 @@ inline DemoOptions quiet_robot() {
   options.robot_file = options.home / "tools/experiments/demo_robot.yaml";
   options.noise = "clean";
   return options;
+}
+
+/// The robot file with some of its text changed, written to `file`.
+inline void write_changed_robot(const std::filesystem::path& robot, const std::filesystem::path& file,
+                                const std::vector<std::pair<std::string, std::string>>& changes) {
+  std::ifstream in(robot);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (const auto& [from, to] : changes) {
+    const std::size_t at = text.find(from);
+    if (at == text.npos) throw std::runtime_error(robot.string() + " has no \"" + from + "\" to change");
+    text.replace(at, from.size(), to);
+  }
+  std::ofstream(file) << text;
+}
+
+/// The robot at 100 Hz with wide deadlines, for real pace: a shared machine stalls a program for 10–20 ms now and then,
+/// and what is looked at is the hand-over between threads and programs, not the machine.
+inline void write_patient_robot(const std::filesystem::path& robot, const std::filesystem::path& file) {
+  write_changed_robot(robot, file,
+                      {{"period_s: 0.004", "period_s: 0.01"}, {"rpdo_deadline_s: 0.018", "rpdo_deadline_s: 0.2"}});
 }
 
 /// A long, slow move (all joints about 1 rad at 0.6 rad/s) and two seconds of it: the host is in the middle.

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "tests/system/system_rig.hpp"
@@ -15,23 +13,10 @@ class RealPace : public SystemTest {
   RealPace() {
     DemoOptions options = quiet_robot();
     options.pace = "real";
-    options.robot_file = patient_robot(options.robot_file);
+    const std::filesystem::path patient = robot_file("patient.yaml");
+    write_patient_robot(options.robot_file, patient);
+    options.robot_file = patient;
     start(options);
-  }
-
-  /// The demo's robot at 100 Hz with wide deadlines: a shared machine stalls a program for 10–20 ms now and then, and
-  /// what is tested here is the hand-over between threads and programs, not the machine.
-  std::filesystem::path patient_robot(const std::filesystem::path& nominal) const {
-    std::ifstream in(nominal);
-    std::string text{std::istreambuf_iterator<char>(in), {}};
-    const auto set = [&](const std::string& from, const std::string& to) {
-      text.replace(text.find(from), from.size(), to);
-    };
-    set("period_s: 0.004", "period_s: 0.01");
-    set("rpdo_deadline_s: 0.02", "rpdo_deadline_s: 0.2");
-    const std::filesystem::path file = robot_file("patient.yaml");
-    std::ofstream(file) << text;
-    return file;
   }
 
   /// In the middle of a slow move: 0.2 rad/s for several seconds. Under way when joint 3's encoder says so on the bus.
