@@ -19,23 +19,13 @@ namespace fs = std::filesystem;
 
 fs::path programs() { return demo::quiet_robot().programs; }
 
-std::string output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return text;
-  char line[256];
-  while (std::fgets(line, sizeof line, pipe) != nullptr) text += line;
-  ::pclose(pipe);
-  return text;
-}
-
 Row size_row() {
   const TemporaryFolder folder;
   const fs::path stripped = folder.path() / "arm_controller";
   output_of("strip -o '" + stripped.string() + "' '" + (programs() / "arm_controller").string() + "'");
   std::error_code error;
   const auto bytes = fs::file_size(stripped, error);
-  Row row{"arm_controller, stripped release binary", "MB", 0.0, {}, "", "at most 2.5 MB", false, {}};
+  Row row{"binary (stripped, release) of arm_controller", "MB", 0.0, {}, "", "at most 2.5 MB", false, {}};
   if (error) return row.why = "strip (binutils) did not run", row;
   row.ours = 1e-6 * static_cast<double>(bytes);
   row.holds = row.ours <= 2.5;
@@ -43,8 +33,8 @@ Row size_row() {
 }
 
 Row libraries_row() {
-  Row row{
-      "arm_controller, needed libraries beside libc and libm", "", 0.0, {}, "", "none but libssl, libcrypto", true, {}};
+  Row row{"needed libraries of arm_controller beside libc and libm", "", 0.0, {}, "",
+          "at most libssl, libcrypto, libc, libm", true, {}};
   std::istringstream lines(output_of("objdump -p '" + (programs() / "arm_controller").string() + "' | grep NEEDED"));
   std::string word, library;
   int count = 0;
@@ -70,7 +60,7 @@ double status_kB(pid_t pid, const std::string& key) {
 }
 
 Row resident_row() {
-  Row row{"arm_controller, resident memory, locked, real pace", "MB", 0.0, {}, "", "at most 16 MB", false, {}};
+  Row row{"resident with memory locked, arm_controller at real pace", "MB", 0.0, {}, "", "at most 16 MB", false, {}};
   const TemporaryFolder folder;
   demo::DemoOptions options = demo::quiet_robot();
   options.pace = "real";
@@ -80,7 +70,7 @@ Row resident_row() {
   row.ours = 1e-3 * status_kB(pid, "VmRSS");
   const double locked = 1e-3 * status_kB(pid, "VmLck");
   row.holds = row.ours > 0.0 && row.ours <= 16.0 && locked > 0.0;
-  row.why = locked > 0.0 ? "" : "memory could not be locked here (no right)";
+  if (locked == 0.0) row.why = "not run: memory could not be locked here (no right)";
   return row;
 }
 

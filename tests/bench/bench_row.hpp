@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <functional>
 #include <optional>
 #include <string>
@@ -32,6 +33,17 @@ inline double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// What a command printed.
+inline std::string output_of(const std::string& command) {
+  std::string text;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return text;
+  char line[256];
+  while (std::fgets(line, sizeof line, pipe) != nullptr) text += line;
+  ::pclose(pipe);
+  return text;
 }
 
 /// Keeps the compiler from leaving out what computes `value`.
@@ -65,5 +77,7 @@ std::vector<Row> kinematics_rows(bool is_quick);
 std::vector<Row> controller_rows(bool is_quick);
 std::vector<Row> program_rows(bool is_quick);
 std::vector<Row> stop_rows(bool is_quick);
+std::vector<Row> wake_up_rows(bool is_quick);
+std::vector<Row> client_rows(bool is_quick);
 
 }  // namespace armsight::bench

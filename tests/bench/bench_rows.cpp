@@ -11,7 +11,7 @@ namespace {
 using armsight::bench::Row;
 
 void print(const Row& row) {
-  std::printf("%-58s %10.3g %-3s", row.name.c_str(), row.ours, row.unit.c_str());
+  std::printf("%-66s %10.3g %-3s", row.name.c_str(), row.ours, row.unit.c_str());
   if (row.peer) std::printf(" | %s %.3g, ratio %.1f", row.peer_name.c_str(), *row.peer, *row.peer / row.ours);
   if (row.holds) std::printf(" | %s: %s", row.bar.c_str(), *row.holds ? "holds" : "MISSED");
   std::printf("\n");
@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
   bool all_hold = true;
   nlohmann::json list = nlohmann::json::array();
   for (const auto& rows : {armsight::bench::kinematics_rows, armsight::bench::controller_rows,
-                           armsight::bench::program_rows, armsight::bench::stop_rows}) {
+                           armsight::bench::wake_up_rows, armsight::bench::stop_rows, armsight::bench::program_rows,
+                           armsight::bench::client_rows}) {
     for (const Row& row : rows(is_quick)) {
       print(row);
       std::fflush(stdout);

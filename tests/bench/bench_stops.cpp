@@ -4,6 +4,7 @@
 #include <map>
 
 #include "tests/bench/bench_row.hpp"
+#include "tests/faults/fault_rig.hpp"
 #include "tests/system/quiet_arm.hpp"
 
 namespace armsight::bench {
@@ -38,17 +39,17 @@ Row host_lost_row() {
   }
   // Speed over acceleration, acceleration over jerk, and the drive's own lag, at 0.6 rad/s.
   constexpr double kBraking_ms = 1e3 * (0.6 / 10.0 + 10.0 / 200.0);
-  row.holds = is_powered && row.ours > 0.0 && row.ours <= 200.0 + kBraking_ms;
+  const double bound_rad = 0.6 * (0.2 + 1e-3 * kBraking_ms);
+  row.holds = is_powered && row.ours > 0.0 && row.ours <= 200.0 + kBraking_ms && way_rad <= bound_rad;
   char text[96];
-  std::snprintf(text, sizeof text, "way after the loss %.3f rad, bound %.3f rad at 0.6 rad/s", way_rad,
-                0.6 * (0.2 + 1e-3 * kBraking_ms));
+  std::snprintf(text, sizeof text, "way after the loss %.3f rad, bound %.3f rad at 0.6 rad/s", way_rad, bound_rad);
   row.why = text;
   return row;
 }
 
 /// From a node's last set-point to its own emergency, the slowest node.
 Row controller_killed_row() {
-  Row row{"controller killed -> drives start their quick stop",
+  Row row{"controller killed -> drives start their quick stop, by RPDO deadline",
           "ms",
           0.0,
           {},
@@ -79,8 +80,31 @@ Row controller_killed_row() {
   return row;
 }
 
+/// From the kill to the emergency of the slowest of six drives that know no deadline of set-points.
+Row controller_killed_by_heartbeat_row() {
+  Row row{"controller killed -> drives start their quick stop, by heartbeat", "ms", 0.0, {}, "",
+          "at most 250 ms by heartbeat", false, {}};
+  faults::FaultRig rig;
+  for (int node = 1; node <= faults::kNodes; ++node) rig.node(node).bend({0x1400, 5}, std::nullopt);
+  if (!rig.start_moving()) return row.why = "the arm did not get under way", row;
+  const Time killed = rig.now;
+  rig.kill_controller();
+  rig.cycles(100);
+  std::map<unsigned, double> emergency_ms;
+  for (const faults::BusLine& line : rig.log)
+    if (line.time >= killed && demo::is_emergency(line.frame))
+      emergency_ms.emplace(line.frame.id & 0x7F, 1e-6 * static_cast<double>((line.time - killed).count()));
+  for (const auto& [node, time_ms] : emergency_ms) row.ours = std::max(row.ours, time_ms);
+  const bool all_stop = rig.all_drives(DriveState::kQuickStopActive);
+  row.holds = emergency_ms.size() == faults::kNodes && all_stop && row.ours <= 250.0;
+  row.why = std::to_string(emergency_ms.size()) + " of 6 drives without a deadline of their own reported it on the bus";
+  return row;
+}
+
 }  // namespace
 
-std::vector<Row> stop_rows(bool /*is_quick*/) { return {host_lost_row(), controller_killed_row()}; }
+std::vector<Row> stop_rows(bool /*is_quick*/) {
+  return {host_lost_row(), controller_killed_row(), controller_killed_by_heartbeat_row()};
+}
 
 }  // namespace armsight::bench

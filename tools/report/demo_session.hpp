@@ -18,6 +18,7 @@ struct DemoOptions {
   std::vector<std::string> can_interfaces;   ///< one for each bus of the robot; none: emulated
   std::filesystem::path true_robot_file;  ///< what arm_sim simulates where it is not robot_file: for tests
   std::map<std::string, std::vector<std::string>> tracers;  ///< for tests: what a program is started through
+  std::vector<std::string> controller_flags;                ///< for tests: what the controller is told besides
 };
 
 /// A verb failed: exit code 1, or the verb's own.

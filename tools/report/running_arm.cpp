@@ -71,6 +71,7 @@ void RunningArm::start_controller() {
   if (options_.can_interfaces.empty())
     arguments.insert(arguments.end(), {"--clock", "sim:" + (sockets_.path() / "clock").string()});
   for (const std::string& word : bus_arguments()) arguments.push_back(word);
+  for (const std::string& word : options_.controller_flags) arguments.push_back(word);
   link_ = server("arm_controller", arguments, "arm_controller: listening on ");
   bus_line_ = conductor_.find("arm_controller")->line_after("arm_controller: bus ").value_or("");
 }
