@@ -140,6 +140,16 @@ EkfOptions read_filter(const YamlValue& f) {
   return out;
 }
 
+ContactLimits read_contact(const YamlValue& contact) {
+  ContactLimits out;
+  if (!contact.exists()) return out;
+  out.following_error_rad = contact.key("following_error_rad").positive(1);
+  if (const YamlValue torque = contact.optional_key("torque_Nm"); torque.exists())
+    out.torque_Nm = torque.positive(1000);
+  out.time_s = contact.key("time_s").number(0, 1);
+  return out;
+}
+
 void read_postures(const YamlValue& postures, RobotConfig& out) {
   const auto count = static_cast<std::size_t>(out.arm.joint_count());
   const JointLimits& limits = out.arm.limits;
@@ -208,6 +218,8 @@ RobotConfig parse_robot(std::string_view text, const std::string& file_name) {
   out.camera_hint_T_C_B = read_pose(root.key("camera_hint"));
   out.controller = read_controller(root.key("controller"));
   out.filter = read_filter(root.key("filter"));
+  out.contact = read_contact(root.optional_key("contact"));
+  out.collision = read_collision(root.optional_key("collision"), out.arm.joint_count());
   if (const YamlValue postures = root.optional_key("postures"); postures.exists()) read_postures(postures, out);
   yaml.finish();
   return out;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "protocol/config_collision.hpp"
 #include "protocol/config_error.hpp"
 #include "protocol/drive_family.hpp"
 #include "protocol/mit_frames.hpp"
@@ -69,6 +70,11 @@ struct ControllerConfig {
   double bus_load_limit;   ///< share of a bus' time that the worst case may take (bus_budget)
 };
 
+/// What counts as having touched something; 0: not watched.
+struct ContactLimits {
+  double following_error_rad = 0.0, torque_Nm = 0.0, time_s = 0.0;
+};
+
 /// 0x60C2 (CiA 402) tells a drive the period as value · 10^exponent s.
 struct InterpolationPeriod {
   std::uint8_t value = 0;
@@ -87,6 +93,8 @@ struct RobotConfig {
   ArmModel arm;                          ///< T_H_M from hand_marker
   std::vector<std::string> joint_names;
   std::vector<DriveConfig> drives;       ///< one a joint
+  ContactLimits contact;
+  CollisionConfig collision;             ///< not in the hash: the controller's file alone decides
   SoftArm soft;                          ///< masses and springs
   HandConfig hand;
   MarkerConfig hand_marker;

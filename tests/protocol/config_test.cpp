@@ -198,6 +198,36 @@ TEST(RobotFile, TakesNamedPosturesInsideTheLimits) {
   EXPECT_TRUE(complaint(home("[0, 0.9]")).ends_with("has 2 entries, must have 5"));
 }
 
+TEST(RobotFile, TakesCapsulesZonesAndPairs) {
+  const CollisionConfig collision = load_robot(ARMSIGHT_ROBOT_FILE).collision;
+  EXPECT_EQ(collision.capsules, (std::vector<std::string>{"upper_arm", "forearm", "hand"}));
+  EXPECT_EQ(collision.model.capsules[2].link, 5);
+  EXPECT_EQ(collision.half_spaces, std::vector<std::string>{"floor"});
+  EXPECT_EQ(collision.model.self_pairs[0], (std::array<std::uint8_t, 2>{0, 2}));
+  EXPECT_EQ(load_robot(ARMSIGHT_ROBOT_FILE).contact.following_error_rad, 0.12);
+}
+
+TEST(RobotFile, ListsAllThatIsWrongWithWhatMayNotTouch) {
+  std::string text = with("name: forearm, link: 5", "name: hand, link: 6");
+  const auto put = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+  };
+  put("normal: [0.984808, 0.030154, 0.171010]", "normal: [0.5, 0, 0]");
+  put("  self:",
+      "  boxes: [{name: floor, position_m: [0, 0, 0], half_size_m: [1, 0, 1], rotation_rows: "
+      "[[1,0,0],[0,1,0],[0,0,1]]}]\n"
+      "  self:");
+  put("self: [[upper_arm, hand]]", "self: [[upper_arm, head], [hand, hand]]");
+  put("time_s: 0.04}", "time_s: -1}");
+  const std::string all = complaint(text);
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 8) << all;
+  for (const char* part : {"collision.capsules[1].link = 6: must be between 0 and 5", "name is already taken",
+                           "half_spaces[0].normal", "must be of length 1", "boxes[0].half_size_m", "must be > 0",
+                           "head: is the name of no capsule", "a capsule is always near itself", "contact.time_s = -1"})
+    EXPECT_NE(all.find(part), std::string::npos) << part << "\n" << all;
+}
+
 TEST(RobotFile, TakesABaseThatIsNotTheFirstAxis) {
   const RobotConfig robot =
       parse_robot(shipped() + "base_to_joint1: {xyz_m: [0, 0, 0.3], rpy_rad: [0, 0, 1.5707963267948966]}\n", "r");
