@@ -30,6 +30,8 @@ class Adaptation {
   void predict(double dt_s) noexcept { filter_.predict(dt_s); }
   /// Opens for looks: cumulative corrections count from here.
   void begin(bool keep_covariance) noexcept;
+  /// The arm met something: camera or zeros may have moved. The model stays, the prior is wide again.
+  void doubt() noexcept { filter_.reset(model_); }
   void close() noexcept { is_open_ = false; }
   /// kAccepted: the filter has judged it (its report says how). The event is filled in every case but kWrongState.
   AnswerEvent take(const Look& look, const JointHistory& history, FilterEvent& event) noexcept;

@@ -8,10 +8,11 @@ constexpr int kLateLimit = 10;  // controller.md §10 no. 11
 }  // namespace
 
 Controller::Controller(const RobotConfig& robot, const StartModel& start)
-    : arm_(robot.arm), period_s_(robot.controller.period_s), history_(seconds_to_duration(robot.controller.period_s)),
+    : arm_(robot.arm), period_s_(robot.controller.period_s), margin_m_(robot.collision.model.margin_m),
+      history_(seconds_to_duration(robot.controller.period_s)),
       watch_(robot.arm.joint_count(), robot.controller.still_speed_rad_s, robot.controller.still_time_s,
              robot.controller.period_s),
-      motion_(robot), soft_(robot.soft), hand_(robot.controller.period_s), adaptation_(robot, start) {
+      motion_(robot), contact_(robot), soft_(robot.soft), hand_(robot.controller.period_s), adaptation_(robot, start) {
   output_.command.q_rad = JointVector::Zero(arm_.joint_count());
 }
 
@@ -26,6 +27,7 @@ const TickOutput& Controller::tick(Time now, const JointSamples& joints, const T
   take_lease(now, inbox);
   take_inbox(now, inbox);
   adaptation_.predict(period_s_);
+  watch_contact(now, joints);
   step_motion(now);
   step_command(joints, now);
   fill_snapshot(joints);
@@ -104,6 +106,23 @@ void Controller::apply(ModeEvent event) noexcept {
   if (before == Mode::kFault && mode_ == Mode::kRecovering) wants_recover_ = true;
 }
 
+// What the samples show is what the last cycle's set-points brought about.
+void Controller::watch_contact(Time now, const JointSamples& joints) noexcept {
+  if (mode_ != Mode::kServo) return contact_.reset();
+  if (!joints.is_fresh) return;
+  const auto contact = contact_.step(motion_.command_rad(), joints.q_rad, joints.torque_Nm, adaptation_.model().beta);
+  if (!contact) return;
+  Fault cause{FaultCode::kContact};
+  cause.sub = static_cast<std::uint8_t>(contact->joint + 1);
+  cause.detail = contact->is_torque ? 1 : 0;
+  cause.value = contact->value;
+  cause.limit = contact->limit;
+  stop(now, cause);
+  motion_.yield_to(joints.q_rad);
+  adaptation_.doubt();
+  announce_model();
+}
+
 void Controller::step_motion(Time now) noexcept {
   switch (mode_) {
     case Mode::kServo: {
@@ -113,6 +132,10 @@ void Controller::step_motion(Time now) noexcept {
         apply(ModeEvent::kArrived);
       } else if (progress == Progress::kGivenUp) {
         stop(now, {FaultCode::kGoalGivenUp});
+      } else if (const auto near = motion_.too_near_ahead(adaptation_.model())) {
+        motion_.step_back();
+        motion_.step_to_rest();
+        stop(now, too_near_fault(*near, margin_m_));
       }
       break;
     }

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "arm_controller/adaptation.hpp"
+#include "arm_controller/contact_watch.hpp"
 #include "arm_controller/hand.hpp"
 #include "arm_controller/joint_history.hpp"
 #include "arm_controller/joint_io.hpp"
@@ -49,6 +50,7 @@ class Controller {
   void apply(ModeEvent event) noexcept;
   void stop(Time now, const Fault& cause) noexcept;
   void end_goal(GoalState state, const char* text) noexcept;
+  void watch_contact(Time now, const JointSamples& joints) noexcept;
   void step_motion(Time now) noexcept;
   void step_command(const JointSamples& joints, Time now) noexcept;
   void step_soft_joints(const JointSamples& joints, bool is_driven) noexcept;
@@ -60,7 +62,7 @@ class Controller {
   }
 
   ArmModel arm_;
-  double period_s_;
+  double period_s_, margin_m_;
   Mode mode_ = Mode::kBoot;
   bool wants_power_ = false, wants_recover_ = false, bus_is_ready_ = false;
   bool asked_off_ = false;        ///< else drives that hold after a quick stop keep holding
@@ -73,6 +75,7 @@ class Controller {
   JointHistory history_;
   StillnessWatch watch_;
   Motion motion_;
+  ContactWatch contact_;
   SoftJoints soft_;
   Hand hand_;
   Adaptation adaptation_;

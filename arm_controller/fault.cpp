@@ -40,6 +40,12 @@ std::string last_seen(const Fault& f, const char* what) {
 
 std::string bus_number(const Fault& f) { return f.bus < 0 ? "" : " " + std::to_string(f.bus); }
 
+/// Numbers of the robot file's lists, from 1; the tick knows no names.
+std::string obstacle_text(const Fault& f) {
+  const char* const kinds[] = {"nothing", "capsule ", "half-space ", "box "};
+  return kinds[f.detail & 3] + std::to_string(f.expected);
+}
+
 std::string moved(const Fault& f) { return figure(f.moved_rad / kDegree, "deg"); }
 
 }  // namespace
@@ -87,6 +93,15 @@ std::string fault_text(const Fault& f) {
     case FaultCode::kNotFinite: return "a computed set-point was not finite";
     case FaultCode::kModelNotSaved: return "the model in force could not be saved";
     case FaultCode::kLeaseSilent: return std::string(stop_text(f.code)) + last_seen(f, "last heard");
+    case FaultCode::kTooNear:
+      return std::string(stop_text(f.code)) + ": capsule " + std::to_string(f.sub) + " to " + obstacle_text(f) + ", " +
+             figure(1e3 * f.value, "mm") + " (margin " + figure(1e3 * f.limit, "mm") + ")";
+    case FaultCode::kContact:
+      return "joint " + std::to_string(f.sub) + ": " + stop_text(f.code) + ": " +
+             (f.detail == 0
+                  ? "following error " + figure(f.value / kDegree, "deg") + ", limit " +
+                        figure(f.limit / kDegree, "deg")
+                  : "torque " + figure(f.value, "N m") + " beside what holds the arm, limit " + figure(f.limit, "N m"));
     case FaultCode::kGoalGivenUp:
     case FaultCode::kConnectionClosed:
     case FaultCode::kLeaseReleased:
@@ -95,6 +110,21 @@ std::string fault_text(const Fault& f) {
     case FaultCode::kHoldAsked: return stop_text(f.code);
   }
   return "unknown fault";
+}
+
+Fault too_near_fault(const Clearance& nearest, double margin_m) noexcept {
+  Fault fault{FaultCode::kTooNear};
+  fault.sub = static_cast<std::uint8_t>(nearest.capsule + 1);
+  fault.detail = static_cast<std::uint32_t>(nearest.obstacle);
+  fault.expected = nearest.other + 1u;
+  fault.value = nearest.distance_m;
+  fault.limit = margin_m;
+  return fault;
+}
+
+Clearance clearance_of(const Fault& f) noexcept {
+  return {f.value, static_cast<std::uint8_t>(f.sub - 1), static_cast<std::uint8_t>(f.expected - 1),
+          static_cast<Obstacle>(f.detail)};
 }
 
 const char* fault_side(FaultCode code) noexcept {
@@ -112,6 +142,8 @@ const char* fault_side(FaultCode code) noexcept {
 const char* stop_text(FaultCode code) noexcept {
   switch (code) {
     case FaultCode::kGoalGivenUp: return "the arm did not come to rest within the tolerance";
+    case FaultCode::kTooNear: return "stopped before coming too near";
+    case FaultCode::kContact: return "stopped by contact";
     case FaultCode::kLeaseSilent: return "the commander was silent longer than its lease";
     case FaultCode::kConnectionClosed: return "the commander's connection closed";
     case FaultCode::kLeaseReleased: return "the commander released its lease";

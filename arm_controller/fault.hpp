@@ -6,6 +6,7 @@
 #include <string>
 
 #include "protocol/drive_family.hpp"
+#include "shared/collision.hpp"
 
 namespace armsight::arm {
 
@@ -42,6 +43,8 @@ enum class FaultCode : std::uint16_t {
   kNotFinite = 302,
   kModelNotSaved = 303,
   kGoalGivenUp = 304,
+  kTooNear = 305,
+  kContact = 306,
   // link: nothing is heard any more
   kLeaseSilent = 401,
   kConnectionClosed = 402,
@@ -65,16 +68,20 @@ struct Fault {
   double moved_rad = 0.0;       ///< what a joint seems to have moved
   DriveFamily family = DriveFamily::kCanopen;  ///< of the node
   std::int8_t bus = -1;         ///< of several buses; -1: there is only one, or none is meant
+  double value = 0.0, limit = 0.0;  ///< of a quantity that the text names
 
   bool is_set() const { return code != FaultCode::kNone; }
 };
 
 /// One sentence for people: what, where, which rule. Not for the tick (allocates).
 std::string fault_text(const Fault& fault);
+/// Of kTooNear and back: the pair in `sub`, `detail`, `expected`, the distance in `value`.
+Fault too_near_fault(const Clearance& nearest, double margin_m) noexcept;
+Clearance clearance_of(const Fault& too_near) noexcept;
 /// Whose side it is: "bus", "drive", "self", "link", "host", "operator".
 const char* fault_side(FaultCode code) noexcept;
 /// A stop that was asked for, or that a lost lease made: it needs no clearing.
-inline bool is_plain_stop(FaultCode code) noexcept { return code == FaultCode::kGoalGivenUp || code >= FaultCode::kLeaseSilent; }
+inline bool is_plain_stop(FaultCode code) noexcept { return code >= FaultCode::kGoalGivenUp; }
 /// The cause without its evidence; for the tick (allocates nothing).
 const char* stop_text(FaultCode code) noexcept;
 

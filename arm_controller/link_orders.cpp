@@ -33,6 +33,21 @@ std::optional<Refused> check_inside(const char* what, const JointVector& q, cons
   return std::nullopt;
 }
 
+/// The straight line of the joints, from where the arm is led now. What the servo does from motion, and the last
+/// centimetres of a pose goal, the tick watches by distance.
+std::optional<Refused> check_way(const LinkView& view, const JointVector& q_real) {
+  const CollisionConfig& collision = view.robot.collision;
+  const JointVector from = view.state.q_command_rad + view.state.model.beta;
+  if (collision.model.is_empty() || from.size() != q_real.size()) return std::nullopt;
+  const PathVerdict way = check_path(collision.model, view.robot.arm.chain, from, q_real, kPlanSlack_m);
+  if (way.is_free) return std::nullopt;
+  std::string place;
+  for (const double q : way.q_there) place += (place.empty() ? "" : ", ") + number(q);
+  return Refused{wire::REFUSAL_REASON_TOO_NEAR, "the way there: " + to_text(collision, way.nearest) + " at " +
+                                                    number(std::round(100 * way.part)) + " % of it, joints (" + place +
+                                                    ") rad"};
+}
+
 std::optional<Refused> find_posture(const LinkView& view, const JointVector& seed, Goal& goal) {
   const LearnedModel& model = view.state.model;
   const Pose T_B_G = goal.kind == GoalKind::kPoseInBase ? goal.T_X_G : model.T_C_B.inverse() * goal.T_X_G;
@@ -48,7 +63,7 @@ std::optional<Refused> find_posture(const LinkView& view, const JointVector& see
                    "hand_goal: the best posture misses the orientation by " + number(found->orientation_error_rad) +
                        " rad, orientation_tolerance_rad is " + number(goal.orientation_tolerance_rad)};
   goal.q_real_rad = found->q;
-  return std::nullopt;
+  return check_way(view, found->q);
 }
 
 }  // namespace
@@ -67,6 +82,7 @@ std::optional<Refused> read_order(const wire::JointGoal& in, const LinkView& vie
   if (auto no = check_range("speed_scale", in.speed_scale(), 0.0, 1.0)) return no;
   if (auto no = check_inside("q_real_rad", q, view.robot.arm.limits)) return no;
   if (auto no = check_inside("q_real_rad - beta", q - view.state.model.beta, view.robot.arm.limits)) return no;
+  if (auto no = check_way(view, q)) return no;
   out.kind = GoalKind::kJoints;
   out.id = in.goal();
   out.q_real_rad = q;

@@ -121,7 +121,7 @@ void LinkServer::tell(const Event& event, Time now) {
   }
   if (const auto* stop = std::get_if<StopEvent>(&event)) {
     stop_ = *stop;
-    to_wire(*stop, *envelope.mutable_stop_report());
+    to_wire(*stop, robot_.collision, *envelope.mutable_stop_report());
   }
   broadcast(envelope, now);
 }
@@ -209,7 +209,7 @@ void LinkServer::greet(LinkSession& peer, Time now) {
   }
   if (stop_) {
     wire::Envelope envelope;
-    to_wire(*stop_, *envelope.mutable_stop_report());
+    to_wire(*stop_, robot_.collision, *envelope.mutable_stop_report());
     send(peer, envelope, now);
   }
 }

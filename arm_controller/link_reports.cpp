@@ -143,9 +143,13 @@ void to_wire(const FaultEvent& event, wire::FaultReport& out) {
   out.set_arm_time_ns(to_ns(event.time));
 }
 
-void to_wire(const StopEvent& event, wire::StopReport& out) {
+void to_wire(const StopEvent& event, const CollisionConfig& names, wire::StopReport& out) {
   out.set_code(static_cast<std::uint32_t>(event.cause.code));
-  out.set_text(fault_text(event.cause));
+  if (event.cause.code == FaultCode::kTooNear)
+    out.set_text(std::string(stop_text(event.cause.code)) + ": a stop any later would end where " +
+                 to_text(names, clearance_of(event.cause)));
+  else
+    out.set_text(fault_text(event.cause));
   out.set_side(fault_side(event.cause.code));
   out.set_arm_time_ns(to_ns(event.time));
 }

@@ -14,7 +14,8 @@ void to_wire(const GoalEvent& event, wire::GoalStatus& out);
 void to_wire(const FilterEvent& event, wire::FilterReport& out);
 void to_wire(const ModelEvent& event, wire::ModelUpdate& out);
 void to_wire(const FaultEvent& event, wire::FaultReport& out);
-void to_wire(const StopEvent& event, wire::StopReport& out);
+/// Names of links and zones are the robot file's: the tick knows numbers only.
+void to_wire(const StopEvent& event, const CollisionConfig& names, wire::StopReport& out);
 /// All histograms of the cycle that have counted anything.
 void add_durations(const LoopStatistics& statistics, const RobotConfig& robot, wire::ControllerStatistics& out);
 wire::Mode to_wire(Mode mode);

@@ -13,14 +13,18 @@ constexpr double kTrimLimit_rad = 0.02;       ///< ten times the residual of spe
 constexpr double kTrimmed_rad = 4e-4;         ///< 0.02°: the encoder's jitter
 constexpr double kTrimTimeout_s = 1.5;
 constexpr double kSettleTimeout_s = 3.0;
+constexpr int kLooksAhead = 8;                ///< along a stop of at most 0.3 s
 
 }  // namespace
 
 Motion::Motion(const RobotConfig& robot)
     : chain_(robot.arm.chain), limits_(robot.arm.limits), period_s_(robot.controller.period_s),
-      goal_tolerance_rad_(robot.controller.goal_tolerance_rad), servo_(robot.arm.limits),
+      goal_tolerance_rad_(robot.controller.goal_tolerance_rad), servo_(robot.arm.limits), before_(servo_),
+      collision_(robot.collision.model), levers_m_(levers_m(collision_, chain_)),
       trim_(JointVector::Zero(chain_.joint_count)), target_reading_(JointVector::Zero(chain_.joint_count)),
-      wanted_reading_(JointVector::Zero(chain_.joint_count)) {
+      wanted_reading_(JointVector::Zero(chain_.joint_count)),
+      seen_rad_(JointVector::Zero(chain_.joint_count)) {
+  seen_.distance_m = -1.0;  // nothing was looked at yet
   goal_.q_real_rad = JointVector::Zero(chain_.joint_count);
 }
 
@@ -33,10 +37,12 @@ void Motion::reading_limits(const JointLimits& limits, const JointVector& beta, 
 void Motion::stand_at(const JointVector& q_reading) noexcept {
   servo_.reset(q_reading);
   trim_.setZero();
+  yield_rad_.reset();
 }
 
 void Motion::start(const Goal& goal, const LearnedModel& model) noexcept {
   goal_ = goal;
+  yield_rad_.reset();
   take_model(model);
   const Pose T_B_posture = forward_kinematics(chain_, goal.q_real_rad);
   if (goal.kind == GoalKind::kJoints) {
@@ -76,6 +82,7 @@ void Motion::enter(Phase phase) noexcept {
 
 Progress Motion::step_to_goal(const LearnedModel& model, const StillnessWatch& measured) noexcept {
   phase_s_ += period_s_;
+  before_ = servo_;
   switch (phase_) {
     case Phase::kTravel: step_travel(); break;
     case Phase::kApproach: step_approach(model); break;
@@ -85,7 +92,38 @@ Progress Motion::step_to_goal(const LearnedModel& model, const StillnessWatch& m
   return Progress::kMoving;
 }
 
-void Motion::step_to_rest() noexcept { servo_.step_to_rest(period_s_); }
+void Motion::step_to_rest() noexcept {
+  if (!yield_rad_) {
+    servo_.step_to_rest(period_s_);
+    return;
+  }
+  const JointVector target = yield_rad_->cwiseMax(servo_.limits().min_rad).cwiseMin(servo_.limits().max_rad);
+  servo_.step_towards(target, 1.0, period_s_);
+  if (servo_.is_at_rest() && servo_.setpoint().q_rad == target) yield_rad_.reset();
+}
+
+// Where the arm was last looked at is remembered: while no stop can lead from there to the margin, no look is needed.
+std::optional<Clearance> Motion::too_near_ahead(const LearnedModel& model) noexcept {
+  if (collision_.is_empty() || servo_.is_at_rest()) return std::nullopt;
+  if (is_free_of(seen_rad_, seen_.distance_m, model)) return std::nullopt;
+  seen_rad_ = command_rad() + model.beta;
+  seen_ = clearance_at(collision_, chain_, seen_rad_);
+  if (is_free_of(seen_rad_, seen_.distance_m, model)) return std::nullopt;
+  Clearance nearest;
+  for (int k = kLooksAhead; k > 0; --k) {
+    const double part = static_cast<double>(k) / kLooksAhead;
+    const Clearance there = clearance_at(collision_, chain_, servo_.stopping_rad(part) + model.beta);
+    if (there.distance_m < nearest.distance_m) nearest = there;
+  }
+  if (nearest.distance_m >= collision_.margin_m || nearest.distance_m >= seen_.distance_m - kNoNearer_m)
+    return std::nullopt;
+  return nearest;
+}
+
+bool Motion::is_free_of(const JointVector& q_real, double distance_m, const LearnedModel& model) const noexcept {
+  const double way_m = levers_m_.dot(servo_.stopping_excursion_rad(q_real - model.beta));
+  return distance_m - way_m >= collision_.margin_m;
+}
 
 void Motion::step_travel() noexcept {
   const JointLimits& limits = servo_.limits();

@@ -13,6 +13,7 @@
 #include "arm_controller/messages.hpp"
 #include "arm_controller/stillness.hpp"
 #include "protocol/config.hpp"
+#include "shared/collision.hpp"
 #include "shared/joint_servo.hpp"
 #include "shared/pose_servo.hpp"
 
@@ -29,9 +30,18 @@ class Motion {
   void start(const Goal& goal, const LearnedModel& model) noexcept;
   void model_changed(const LearnedModel& model) noexcept;
   Progress step_to_goal(const LearnedModel& model, const StillnessWatch& measured) noexcept;
+  /// To a stop, or to where yield_to says.
   void step_to_rest() noexcept;
+  /// From now on step_to_rest() leads back to this reading: an arm that met something shall not go on pressing.
+  void yield_to(const JointVector& q_reading) noexcept { yield_rad_ = q_reading + trim_; }
 
-  bool is_at_rest() const noexcept { return servo_.is_at_rest(); }
+  /// The nearest place on the way to a stop begun now, where it is nearer than the margin and nearer than the arm is
+  /// already; else nothing. At most nine looks, mostly none.
+  std::optional<Clearance> too_near_ahead(const LearnedModel& model) noexcept;
+  /// Undoes the last step_to_goal()'s set-point: a stop from there was found free.
+  void step_back() noexcept { servo_ = before_; }
+
+  bool is_at_rest() const noexcept { return servo_.is_at_rest() && !yield_rad_; }
   /// What goes to the drives. Inside the limits, or no farther outside than where the arm stood at power-on.
   const JointVector& command_rad() const noexcept { return servo_.setpoint().q_rad; }
   /// Of the model's hand pose at a reading against the goal: metres, radians.
@@ -51,12 +61,18 @@ class Motion {
   Progress step_settle(const StillnessWatch& measured) noexcept;
   Progress step_trim(const LearnedModel& model, const StillnessWatch& measured) noexcept;
   bool is_within_tolerance(const LearnedModel& model, const JointVector& q_reading) const noexcept;
+  /// No stop begun now leads from there, so far from everything, to the margin.
+  bool is_free_of(const JointVector& q_real, double distance_m, const LearnedModel& model) const noexcept;
 
   SerialChain chain_;
   JointLimits limits_;
   double period_s_, goal_tolerance_rad_;
   JointServo servo_;
+  JointServo before_;            ///< the last step to the goal
+  CollisionModel collision_;
+  JointVector levers_m_;
   PoseServoOptions pose_options_;
+  std::optional<JointVector> yield_rad_;
   JointVector trim_;             ///< command − the reading that it is to bring about
 
   Goal goal_;
@@ -66,6 +82,8 @@ class Motion {
   Pose T_C_G_, T_C_reachable_;
   Phase phase_ = Phase::kTravel;
   double phase_s_ = 0.0;
+  JointVector seen_rad_;      ///< where too_near_ahead() looked last, real
+  Clearance seen_;            ///< and what it saw there
 };
 
 }  // namespace armsight::arm

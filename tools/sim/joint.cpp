@@ -14,6 +14,7 @@ constexpr double kQuickStop_rad_s2 = 20.0;
 constexpr double kCreep_rad_s = 1.0;                  // of the joint's zero, when it drifts
 constexpr double kSpringTime_s = 0.05;
 constexpr double kFollowingWindow_rad = 0.35;
+constexpr double kGive = 0.04;                        // of an obstacle, per radian that the drive presses on
 constexpr double kStiffness_permille_rad = 8000.0;    // torque shown for the distance between target and joint
 
 }  // namespace
@@ -38,10 +39,19 @@ void Joint::set_encoder_fault(const EncoderFault& fault) {
   fault_ = fault;
 }
 
+void Joint::block(double min_rad, double max_rad) {
+  free_from_rad_ = min_rad;
+  free_to_rad_ = max_rad;
+}
+
 /// The drive closes its loop on its own encoder and settles beside the target by its residual.
+double Joint::behind_rad() const {
+  return target_reading_rad_ + truth_.servo_residual.at(motor_) - motor_reading_rad();
+}
+
 double Joint::wanted_speed() const {
   if (mode_ != MotorMode::kFollow) return 0.0;
-  const double behind = target_reading_rad_ + truth_.servo_residual.at(motor_) - motor_reading_rad();
+  const double behind = behind_rad();
   const double braking = std::sqrt(2.0 * kMaxAcceleration_rad_s2 * std::abs(behind));
   return std::copysign(std::min({std::abs(behind) / kFollowTime_s, braking, kMaxSpeed_rad_s}), behind);
 }
@@ -51,9 +61,20 @@ void Joint::step(double dt_s, double load_Nm) {
   const double limit = (mode_ == MotorMode::kFollow ? kMaxAcceleration_rad_s2 : kQuickStop_rad_s2) * dt_s;
   speed_ += std::clamp(wanted_speed() - speed_, -limit, limit);
   motor_ += speed_ * dt_s;
+  press_on_obstacle();
   bend(dt_s, load_Nm);
   if (motor_ >= truth_.min_rad && motor_ <= truth_.max_rad) return;
   motor_ = std::clamp(motor_, truth_.min_rad, truth_.max_rad);
+  speed_ = 0.0;
+}
+
+/// Drive and obstacle in balance, as two springs: the drive's is the softer by far.
+void Joint::press_on_obstacle() {
+  const double target = mode_ == MotorMode::kFollow ? motor_ + behind_rad() : motor_;
+  const double highest = free_to_rad_ + kGive * std::max(0.0, target - free_to_rad_);
+  const double lowest = free_from_rad_ + kGive * std::min(0.0, target - free_from_rad_);
+  if (motor_ >= lowest && motor_ <= highest) return;
+  motor_ = std::clamp(motor_, lowest, highest);
   speed_ = 0.0;
 }
 

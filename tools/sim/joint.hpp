@@ -3,6 +3,8 @@
 // away by its load and is what the encoder sees.
 #pragma once
 
+#include <cmath>
+
 #include "protocol/config.hpp"
 #include "shared/spring.hpp"
 #include "tools/sim/motor.hpp"
@@ -37,6 +39,8 @@ class Joint : public Motor {
   void set_beta(double beta_rad) { beta_goal_rad_ = beta_rad; }
   /// The drive's own loop sees it, too.
   void set_encoder_fault(const EncoderFault& fault);
+  /// Something is in the way beyond these: it gives a little where the drive presses.
+  void block(double min_rad, double max_rad);
   double q_rad() const { return motor_ + bend_; }
   double speed_rad_s() const { return speed_; }
 
@@ -53,11 +57,14 @@ class Joint : public Motor {
   double counts_to_rad(double counts) const;
   double wanted_speed() const;
   void bend(double dt_s, double load_Nm);
+  double behind_rad() const;
+  void press_on_obstacle();
 
   JointTruth truth_;
   EncoderFault fault_;
   double frozen_rad_ = 0.0;
   double beta_goal_rad_;
+  double free_from_rad_ = -HUGE_VAL, free_to_rad_ = HUGE_VAL;  ///< obstacles are beyond
   double motor_, speed_ = 0.0;  ///< the drive's end; of a stiff joint the link itself
   double bend_ = 0.0;           ///< link − motor
   MotorMode mode_ = MotorMode::kOff;

@@ -143,6 +143,10 @@ void Plant::set_encoder_fault(int joint, const EncoderFault& fault) {
   impl_->joints[static_cast<std::size_t>(joint)].set_encoder_fault(fault);
 }
 
+void Plant::block(int joint, double min_rad, double max_rad) {
+  impl_->joints[static_cast<std::size_t>(joint)].block(min_rad, max_rad);
+}
+
 Motor& Plant::joint_motor(int i) { return impl_->joints[static_cast<std::size_t>(i)]; }
 Motor& Plant::hand_motor() { return *impl_->fingers; }
 const JointVector& Plant::q_real() const { return impl_->q; }

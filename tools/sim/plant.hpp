@@ -34,6 +34,8 @@ class Plant {
   void inject_drift();
 
   void set_encoder_fault(int joint, const EncoderFault& fault);
+  /// Something holds this joint between two angles from now on.
+  void block(int joint, double min_rad, double max_rad);
   Motor& joint_motor(int i);
   Motor& hand_motor();
 
