@@ -18,6 +18,7 @@ add_library(armsight_host_app STATIC
   planned_motion.cpp
   pose_planner.cpp
   power_verbs.cpp
+  route.cpp
   run_verb.cpp
   running_guess.cpp
   session_files.cpp

@@ -6,6 +6,7 @@
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
 #include "host/planned_motion.hpp"
+#include "host/route.hpp"
 #include "host/small_verbs.hpp"
 #include "host/text.hpp"
 
@@ -26,7 +27,15 @@ void show_move(HostIo& io, const std::string& verb, const JointVector& q_real, c
                std::ostream& out) {
   note_state(io, out);
   const LearnedModel model = model_in_force(io);
-  const JointVector here = real_now(io);
+  JointVector here = real_now(io);
+  if (!T_B_G) {
+    const std::vector<JointVector> route = find_route(io.robot(), model, here, q_real);
+    if (route.size() > 1) {
+      tell(verb + ", first, out of the way", plan_motion(io.robot(), model, here, route[0], io.speed_scale()),
+           io.robot(), out);
+      here = route[0];
+    }
+  }
   const PlannedMotion motion =
       T_B_G ? plan_motion(io.robot(), model, here, *T_B_G, kMovePoseOrientation_rad, io.speed_scale())
             : plan_motion(io.robot(), model, here, q_real, io.speed_scale());

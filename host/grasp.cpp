@@ -9,6 +9,7 @@
 #include "host/look_planning.hpp"
 #include "host/motion.hpp"
 #include "host/planned_motion.hpp"
+#include "host/route.hpp"
 #include "host/text.hpp"
 
 namespace armsight::host {
@@ -117,7 +118,7 @@ void Grasp::find_object() {
 ReachProblem Grasp::reach() const {
   const JointLimits& limits = io_.robot().arm.limits;
   return {io_.robot().arm.chain, limits.min_rad.array() + kGraspMargin_rad, limits.max_rad.array() - kGraspMargin_rad,
-          real_now(io_)};
+          real_now(io_), io_.robot().collision};
 }
 
 GraspChoice Grasp::choose() {
@@ -142,6 +143,8 @@ void Grasp::drive(const IkSolution& posture, const std::string& what) {
   target.position_tolerance_m = object_.position_tolerance_m;
   target.orientation_tolerance_rad = kPregraspOrientation_rad;
   target.q_seed = posture.q;
+  const std::vector<JointVector> route = find_route(io_.robot(), model, real_now(io_), posture.q);
+  if (route.size() > 1) (void)drive_to(io_, route.front());  // out of the way first; what follows says how that went
   const MotionResult motion = drive_to(io_, target);
   record.status = what + ": " + (motion.has_arrived ? "arrived" : motion.why);
   progress_ << record.status << std::endl;

@@ -73,6 +73,9 @@ std::string complete(const ReachProblem& reach, const GraspObject& object, const
   if ((before->q - attempt.ik->q).lpNorm<Eigen::Infinity>() > kMaxApproachTurn_rad) {
     return "the arm would swing between pre-grasp and grasp";
   }
+  const PathVerdict way = check_path(reach.collision.model, reach.chain, before->q, attempt.ik->q, kPlanSlack_m);
+  if (!way.is_free)
+    return to_text(reach.collision, way.nearest) + " at " + fixed(100 * way.part, 0) + " % of the approach";
   choice.at_pregrasp = *before;
   choice.travel_rad = (before->q - reach.q_seed).lpNorm<Eigen::Infinity>();
   return {};

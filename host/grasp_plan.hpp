@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/grasp_table.hpp"
+#include "protocol/config_collision.hpp"
 #include "shared/inverse_kinematics.hpp"
 
 namespace armsight::host {
@@ -29,6 +30,7 @@ struct ReachProblem {
   SerialChain chain;
   JointVector min_rad, max_rad;  ///< of real angles, margin taken off
   JointVector q_seed;            ///< where the arm is
+  CollisionConfig collision{};   ///< grasps that come too near to something are none
 };
 
 GraspPlan plan_grasp(const ReachProblem& reach, const GraspObject& object, const Pose& T_B_O);

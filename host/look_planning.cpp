@@ -38,6 +38,7 @@ PlanProblem plan_problem(HostIo& io, const Pose& T_C_B, const StateMatrix& P, do
   problem.noise.encoder_sigma_rad = io.robot().filter.encoder_sigma_rad;
   problem.noise.floor_position_sigma_m = io.robot().filter.floor_position_sigma_m;
   problem.noise.floor_rotation_sigma_rad = io.robot().filter.floor_rotation_sigma_rad;
+  problem.collision = io.robot().collision.model;
   problem.P = P;
   return problem;
 }
@@ -58,7 +59,7 @@ std::vector<JointVector> postures_out_of_view(const PlanProblem& problem, const 
     const Pose T_C_H = problem.T_C_B * forward_kinematics(problem.chain, q);
     if (is_near_picture(problem.view, T_C_H.p)) continue;
     if (is_near_picture(problem.view, T_C_H * problem.T_H_M.p)) continue;
-    found.push_back(q);
+    if (!is_too_near(problem, q)) found.push_back(q);
   }
   const auto travel = [&](const JointVector& q) { return (q - q_start).lpNorm<Eigen::Infinity>(); };
   std::stable_sort(found.begin(), found.end(), [&](const auto& a, const auto& b) { return travel(a) < travel(b); });

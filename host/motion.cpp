@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/route.hpp"
 #include "host/text.hpp"
 #include "protocol/convert.hpp"
 
@@ -111,7 +112,9 @@ LearnedModel model_in_force(HostIo& io) {
   return model;
 }
 
-MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions& options) {
+namespace {
+
+MotionResult drive_straight(HostIo& io, const JointVector& q_real, const MotionOptions& options) {
   wire::Envelope message;
   wire::JointGoal& goal = *message.mutable_joint_goal();
   goal.set_goal(next_goal());
@@ -123,7 +126,18 @@ MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions
   return follow(io, number, std::move(message), speed_scale, options.is_over);
 }
 
-MotionResult stand_still_here(HostIo& io) { return drive_to(io, real_now(io)); }
+}  // namespace
+
+MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions& options) {
+  MotionResult result;
+  for (const JointVector& q : find_route(io.robot(), model_in_force(io), real_now(io), q_real)) {
+    result = drive_straight(io, q, options);
+    if (!result.has_arrived) return result;
+  }
+  return result;
+}
+
+MotionResult stand_still_here(HostIo& io) { return drive_straight(io, real_now(io), {}); }
 
 MotionResult drive_to(HostIo& io, const PoseTarget& target) {
   wire::Envelope message;

@@ -25,7 +25,7 @@ struct MotionOptions {
   double speed_scale = 1.0;       ///< of the session's
   std::function<bool()> is_over;  ///< asked each cycle; true ends the waiting (not the motion)
 };
-/// To a posture, then still.
+/// To a posture, then still; over one between where the straight way comes too near to something.
 MotionResult drive_to(HostIo& io, const JointVector& q_real, const MotionOptions& options = {});
 /// Where it is, at once (braking inside the limits): the goal becomes the present posture.
 MotionResult stand_still_here(HostIo& io);

@@ -51,9 +51,13 @@ std::string place_text(const RobotConfig& robot, const JointVector& q) {
 
 PlannedMotion plan_motion(const RobotConfig& robot, const LearnedModel& model, const JointVector& q_from,
                           const JointVector& q_to, double speed_scale) {
-  PlannedMotion motion{q_from, q_to, 0.0, {}};
+  PlannedMotion motion{q_from, q_to, 0.0, {}, {}};
   const JointLimits real = real_limits(robot.arm.limits, model.beta);
   motion.refusal = limit_refusal(robot, real, q_to);
+  const PathVerdict way = check_path(robot.collision.model, robot.arm.chain, q_from, q_to, kPlanSlack_m);
+  motion.clearance = to_text(robot.collision, way.nearest);
+  if (motion.refusal.empty() && !way.is_free)
+    motion.refusal = motion.clearance + ", at " + fixed(100 * way.part, 0) + " % of the way";
   if (motion.refusal.empty()) motion.duration_s = trip_time_s(robot, real, motion, speed_scale);
   return motion;
 }
@@ -64,7 +68,7 @@ PlannedMotion plan_motion(const RobotConfig& robot, const LearnedModel& model, c
   const auto found = solve_ik(robot.arm.chain, real.min_rad, real.max_rad, T_B_G, q_from);
   if (found && found->orientation_error_rad <= orientation_tolerance_rad)
     return plan_motion(robot, model, q_from, found->q, speed_scale);
-  PlannedMotion motion{q_from, q_from, 0.0, "no posture inside the limits reaches the goal"};
+  PlannedMotion motion{q_from, q_from, 0.0, {}, "no posture inside the limits reaches the goal"};
   if (found)
     motion.refusal =
         "the best posture misses the orientation by " + fixed(degrees(found->orientation_error_rad), 1) + " deg";
@@ -82,7 +86,7 @@ void tell(const std::string& what, const PlannedMotion& motion, const RobotConfi
     out << line;
   }
   if (motion.refusal.empty())
-    out << "  takes " << fixed(motion.duration_s, 2) << " s" << std::endl;
+    out << "  takes " << fixed(motion.duration_s, 2) << " s; " << motion.clearance << std::endl;
   else
     out << "  would be refused: " << motion.refusal << std::endl;
 }

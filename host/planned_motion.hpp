@@ -12,6 +12,7 @@ namespace armsight::host {
 struct PlannedMotion {
   JointVector q_from, q_to;
   double duration_s = 0.0;
+  std::string clearance;  ///< the nearest pair on the way, in words
   std::string refusal;  ///< why the controller would refuse it; empty: it would not
 };
 

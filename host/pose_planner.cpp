@@ -121,6 +121,12 @@ JointVector posture_near(const JointVector& q, double reach_rad, const JointVect
   return spread_posture(lower, upper, i);
 }
 
+bool is_too_near(const PlanProblem& problem, const JointVector& q_real) {
+  constexpr double kUnsure_m = 0.01;  // offsets not learnt yet
+  return clearance_at(problem.collision, problem.chain, q_real).distance_m <
+         problem.collision.margin_m + kPlanSlack_m + kUnsure_m;
+}
+
 std::vector<CandidateLook> visible_postures(const PlanProblem& problem, int wanted, double unsure_sigmas,
                                             const std::vector<JointVector>& avoid, double min_distance_rad) {
   std::vector<CandidateLook> found;
@@ -129,6 +135,7 @@ std::vector<CandidateLook> visible_postures(const PlanProblem& problem, int want
     const Pose T_C_M = problem.T_C_B * forward_kinematics(problem.chain, q) * problem.T_H_M;
     if (!is_well_visible(problem.view, problem.limits, T_C_M, problem.marker_side_m)) continue;
     if (is_near_any(q, avoid, min_distance_rad) || is_behind_any(T_C_M.p, problem.hidden)) continue;
+    if (is_too_near(problem, q)) continue;
     if (unsure_sigmas > 0.0) {
       const ViewLimits limits = drawn_in(problem, q, T_C_M, unsure_sigmas);
       if (!is_well_visible(problem.view, limits, T_C_M, problem.marker_side_m)) continue;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/visibility.hpp"
+#include "shared/collision.hpp"
 
 namespace armsight::host {
 
@@ -27,6 +28,7 @@ struct PlanProblem {
   double marker_side_m = 0.05;
   LookNoise noise;
   std::vector<Vector3> hidden;   ///< where the marker should have been and was not, in C: something is in the way
+  CollisionModel collision;      ///< what is too near to something is not planned
   StateMatrix P;                 ///< covariance of [v; w; ε_β] now; widens the image margin where the model is unsure
 };
 
@@ -34,6 +36,9 @@ struct CandidateLook {
   JointVector q_real;
   StateMatrix information;
 };
+
+/// Nearer to something than the controller allows?
+bool is_too_near(const PlanProblem& problem, const JointVector& q_real);
 
 /// Visible postures, at most `wanted`. `unsure_sigmas`: so many standard deviations of the predicted marker pose must
 /// stay inside the view limits too. None nearer than `min_distance_rad` (largest joint difference) to one of `avoid`.
