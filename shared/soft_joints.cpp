@@ -6,6 +6,8 @@ namespace armsight {
 namespace {
 
 constexpr double kIntegralGain_per_s = 4.0;
+/// A tenth of what a joint of the default arm may do.
+constexpr AxisLimits kBlend{.speed_rad_s = 0.05, .acceleration_rad_s2 = 0.4, .jerk_rad_s3 = 8.0};
 constexpr double kIntegralLimit_rad = 0.25;  // half of a bend that is predicted by half
 
 }  // namespace
@@ -18,12 +20,26 @@ SoftJoints::SoftJoints(const SoftArm& arm) : arm_(arm) {
   offset_ = feed_forward_ = integral_ = JointVector::Zero(arm.chain.joint_count);
 }
 
-void SoftJoints::reset() { integral_.setZero(); }
+void SoftJoints::reset() {
+  integral_.setZero();
+  has_beta_ = false;
+}
+
+void SoftJoints::blend_beta(const JointVector& beta_rad, double dt_s) {
+  for (Eigen::Index i = 0; i < beta_rad.size(); ++i) {
+    AxisState& beta = beta_[static_cast<std::size_t>(i)];
+    beta = has_beta_ ? step_to_place(beta, beta_rad[i], kBlend, dt_s) : AxisState{beta_rad[i], 0.0, 0.0};
+  }
+  has_beta_ = true;
+}
 
 void SoftJoints::step(const JointVector& q_wanted_rad, const JointVector& q_reading_rad, const JointVector& beta_rad,
                       bool is_resting, double dt_s) {
   if (!arm_.has_springs()) return;
-  const JointVector torque = gravity_torque(arm_.chain, arm_.links, arm_.gravity_m_s2, q_wanted_rad + beta_rad);
+  blend_beta(beta_rad, dt_s);
+  JointVector q_real = q_wanted_rad;
+  for (Eigen::Index i = 0; i < q_real.size(); ++i) q_real[i] += beta_[static_cast<std::size_t>(i)].q_rad;
+  const JointVector torque = gravity_torque(arm_.chain, arm_.links, arm_.gravity_m_s2, q_real);
   for (int i = 0; i < arm_.chain.joint_count; ++i) {
     if (!arm_.is_soft(i)) continue;
     const Spring& spring = arm_.springs[static_cast<std::size_t>(i)];

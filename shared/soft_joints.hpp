@@ -7,6 +7,7 @@
 #include <array>
 
 #include "shared/gravity.hpp"
+#include "shared/jerk_profile.hpp"
 #include "shared/spring.hpp"
 
 namespace armsight {
@@ -25,10 +26,11 @@ class SoftJoints {
  public:
   explicit SoftJoints(const SoftArm& arm);
 
-  /// Forgets the integral.
+  /// Forgets the integral, and takes the next step's offsets at once.
   void reset();
   /// One step of dt_s. q_wanted_rad, q_reading_rad: link angles as the encoders count, beta_rad on top is the real angle
-  /// where gravity acts. The integral moves only while `is_resting`: a joint under way is behind its set-point for
+  /// where gravity acts: revised offsets come in within a second or two, jerk-limited like a motion of the tenth part,
+  /// so that nothing jumps. The integral moves only while `is_resting`: a joint under way is behind its set-point for
   /// reasons that pass.
   void step(const JointVector& q_wanted_rad, const JointVector& q_reading_rad, const JointVector& beta_rad,
             bool is_resting, double dt_s);
@@ -40,7 +42,11 @@ class SoftJoints {
 
  private:
   SoftArm arm_;
+  void blend_beta(const JointVector& beta_rad, double dt_s);
+
   JointVector offset_, feed_forward_, integral_;
+  std::array<AxisState, kMaxJoints> beta_;  ///< on its way to the offsets in force
+  bool has_beta_ = false;
 };
 
 }  // namespace armsight

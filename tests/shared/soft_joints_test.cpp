@@ -88,6 +88,29 @@ TEST(SoftJoints, BlockedLinkWindsNothingUp) {
   EXPECT_EQ(soft.integral_rad().norm(), 0.0);
 }
 
+// Offsets learnt under way turn every link in gravity; the bend foreseen for it comes in as a motion would.
+TEST(SoftJoints, RevisedOffsetsBlendIn) {
+  const JointVector q = joints({0.9, -0.4, 0.5, 1.0, 0.2}), revised = joints({0.05, -0.08, 0.06, -0.07, 0.05});
+  SoftJoints soft(ego()), fresh(ego());
+  fresh.step(q, q, revised, false, kCycle_s);
+  soft.step(q, q, JointVector::Zero(5), false, kCycle_s);
+  const double whole = (fresh.offset_rad() - soft.offset_rad()).cwiseAbs().maxCoeff();
+  ASSERT_GT(whole, 0.15 * kDegree) << "nothing to blend";
+  JointVector last = soft.offset_rad(), last_step = JointVector::Zero(5);
+  for (int k = 0; k < 700; ++k) {
+    soft.step(q, q, revised, false, kCycle_s);
+    const JointVector step = soft.offset_rad() - last;
+    ASSERT_LT(step.cwiseAbs().maxCoeff(), 0.5 * kCycle_s) << "speed, cycle " << k;
+    ASSERT_LT((step - last_step).cwiseAbs().maxCoeff(), 4.0 * kCycle_s * kCycle_s) << "acceleration, cycle " << k;
+    last = soft.offset_rad();
+    last_step = step;
+  }
+  EXPECT_LT((soft.offset_rad() - fresh.offset_rad()).norm(), 1e-9);
+  soft.reset();
+  soft.step(q, q, JointVector::Zero(5), false, kCycle_s);
+  EXPECT_GT((soft.offset_rad() - fresh.offset_rad()).norm(), 0.15 * kDegree) << "no power, nothing to blend";
+}
+
 TEST(SoftJoints, StiffJointsAreLeftAlone) {
   SoftArm arm = ego();
   for (std::size_t i = 0; i < 5; ++i)
