@@ -21,6 +21,12 @@ double slope_at(const Vector3& a, const Vector3& u, const Vector3& half, double 
   return slope;
 }
 
+/// Keeps the first `count` entries in order.
+void insert(std::array<double, 8>& sorted, std::size_t count, double t) {
+  for (; count > 0 && sorted[count - 1] > t; --count) sorted[count] = sorted[count - 1];
+  sorted[count] = t;
+}
+
 double box_distance_at(const Vector3& p, const Vector3& half) { return (p.cwiseAbs() - half).cwiseMax(0.0).norm(); }
 
 }  // namespace
@@ -51,8 +57,7 @@ double segment_box_distance_m(const Vector3& a, const Vector3& b, const Vector3&
   std::size_t count = 2;
   for (Eigen::Index i = 0; i < 3; ++i)
     for (const double face : {-half_size_m[i], half_size_m[i]})
-      if (const double t = (face - a[i]) / u[i]; t > 0.0 && t < 1.0) cuts[count++] = t;
-  std::sort(cuts.begin(), cuts.begin() + static_cast<std::ptrdiff_t>(count));
+      if (const double t = (face - a[i]) / u[i]; t > 0.0 && t < 1.0) insert(cuts, count++, t);
   double t = 0.0, slope = slope_at(a, u, half_size_m, 0.0);
   for (std::size_t k = 1; k < count && slope < 0.0; ++k) {
     const double next = slope_at(a, u, half_size_m, cuts[k]);

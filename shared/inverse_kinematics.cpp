@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shared/box_qp.hpp"
+#include "shared/redundancy.hpp"
 #include "shared/swivel_ik.hpp"
 
 namespace armsight {
@@ -24,6 +25,8 @@ constexpr double kHopeless_rad = 0.3;
 constexpr int kEnoughExact = 4, kEnoughAgreeing = 16;
 /// Postures whose orientation errors differ by less count as equally good: the nearer to the seed wins.
 constexpr double kSameOrientation_rad = 1e-4;
+/// Of a redundant chain, in units of `discomfort`: so much less is worth a longer way.
+constexpr double kSameComfort = 0.2;
 
 struct Task {
   const SerialChain& chain;
@@ -136,6 +139,27 @@ std::optional<IkSolution> best_of(const std::vector<IkSolution>& found, const Jo
   return best;
 }
 
+/// Leaves of the best in orientation those that end comfortably, each moved there.
+void seek_comfort(const Task& task, std::vector<IkSolution>& found) {
+  const auto by_orientation = [](const IkSolution& a, const IkSolution& b) {
+    return a.orientation_error_rad < b.orientation_error_rad;
+  };
+  std::ranges::stable_sort(found, by_orientation);
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, IkSolution>> moved;
+  for (const IkSolution& s : found) {
+    if (s.orientation_error_rad > found.front().orientation_error_rad + kSameOrientation_rad) break;
+    if (moved.size() == kEnoughExact) break;
+    const State at = evaluate(task, most_comfortable(task.chain, s.q, task.min, task.max));
+    const double left = discomfort(task.chain, at.q, task.min, task.max);
+    moved.push_back({left, {at.q, at.e.head<3>().norm(), at.e.tail<3>().norm(), 0}});
+    least = std::min(least, left);
+  }
+  found.clear();
+  for (const auto& [left, s] : moved)
+    if (left <= least + kSameComfort) found.push_back(s);
+}
+
 bool is_well_posed(const SerialChain& chain, const JointVector& min_rad, const JointVector& max_rad,
                    const Pose& T_B_G, const JointVector& seed) {
   const auto n = chain.joint_count;
@@ -173,6 +197,7 @@ std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& 
     least = std::min(least, orientation_error);
     if (agreeing >= (least < kSameOrientation_rad ? kEnoughExact : kEnoughAgreeing)) break;
   }
+  if (options.seeks_comfort && is_redundant(chain)) seek_comfort(task, found);
   std::optional<IkSolution> best = best_of(found, seed);
   if (best) best->evaluations = task.evaluations;
   return best;

@@ -15,6 +15,7 @@ struct IkOptions {
   int starts = 48;                     ///< at most: first from `seed`, then a fixed low-discrepancy sequence
   int iterations = 100;
   double limit_margin_rad = 0.01;      ///< kept clear of both limits
+  bool seeks_comfort = true;           ///< of a redundant chain: away from limits and singular postures
   int max_evaluations = 8000;          ///< of the kinematics: bounds the time, the best until then is the answer
 };
 
@@ -26,7 +27,8 @@ struct IkSolution {
 };
 
 /// Best posture for T_B_G: nullopt when no start reaches the position inside [min, max] (limits of real angles).
-/// Among the postures found (in closed form: among all there are): least orientation error, then nearest to `seed`. Deterministic.
+/// Among the postures found (in closed form: among all there are): least orientation error, then nearest to `seed`; from
+/// there a redundant chain moves on, the hand where it is, to where it is comfortable. Deterministic.
 std::optional<IkSolution> solve_ik(const SerialChain& chain, const JointVector& min_rad, const JointVector& max_rad,
                                    const Pose& T_B_G, const JointVector& seed, const IkOptions& options = {});
 

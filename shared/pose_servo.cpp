@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "shared/box_qp.hpp"
+#include "shared/redundancy.hpp"
 
 namespace armsight {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 constexpr double kSoundManipulability = 0.1;
 /// Keeps the normal matrix definite where a joint moves nothing: 1e-5 m a radian against centimetres.
 constexpr double kLeastDamping = 1e-5;
+/// Of a redundant chain: 1e-3 m a rad/s, so that its relief moves the hand by less than the tolerances.
+constexpr double kRelief = 1e-3, kReliefGain_rad_s = 0.05;
 
 double damping_squared(const SerialChain& chain, const Jacobian& J, double damping) {
   const double manipulability = position_manipulability(chain, J, kSoundManipulability);
@@ -40,6 +43,10 @@ JointVector pose_servo_speeds(const SerialChain& chain, const JointVector& q_rea
     for (Eigen::Index k = 0; k <= i; ++k) N(i, k) = N(k, i) = column.dot(hand.J.col(k));
   }
   N.diagonal().array() += damping_squared(chain, hand.J, options.damping);
+  if (is_redundant(chain)) {  // what the hand leaves free goes away from the limits
+    N.diagonal().array() += kRelief * kRelief;
+    g += kRelief * kRelief * kReliefGain_rad_s * limit_relief(q_real, min_rad, max_rad);
+  }
   const double per_dt = 1.0 / dt_s;
   JointVector lower(n), upper(n);
   for (Eigen::Index i = 0; i < n; ++i) {  // outside the limits the bounds ask for the way back, as fast as allowed

@@ -14,7 +14,7 @@ struct PoseServoOptions {
 };
 
 /// Joint speeds that reduce pose_error(T_B_G, Λ(q_real)); each within ±max_speed_rad_s and such that no joint passes
-/// [min_rad, max_rad] in dt_s. q_real = reading + beta.
+/// [min_rad, max_rad] in dt_s. What a redundant chain has left over goes away from the limits. q_real = reading + beta.
 JointVector pose_servo_speeds(const SerialChain& chain, const JointVector& q_real, const Pose& T_B_G,
                               const JointVector& min_rad, const JointVector& max_rad,
                               const JointVector& max_speed_rad_s, double dt_s, const PoseServoOptions& options);
