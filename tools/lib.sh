@@ -18,18 +18,29 @@ wanted_packages() {
       [[ $section == "$current" ]] || continue
       [[ $condition == if-no-command ]] && command -v "$command" >/dev/null && continue
       [[ $condition == if-no-file && -e $command ]] && continue
+      [[ $condition == unpack ]] && continue
       printf '%s\n' "$name"
     done
   done <"$repository/tools/apt-packages.txt"
 }
 
-# missing_packages SECTION...: those of them that are not installed.
+# missing_packages SECTION...: those of them that are not installed. A name without ":ARCHITECTURE" means this machine's.
 missing_packages() {
-  local wanted
+  local wanted native
   wanted=$(wanted_packages "$@")
+  native=$(dpkg --print-architecture)
   # shellcheck disable=SC2086
   comm -23 <(sort -u <<<"$wanted") \
-    <(dpkg-query -W -f '${db:Status-Abbrev}${Package}\n' $wanted 2>/dev/null | sed -n 's/^ii *//p' | sort -u)
+    <(dpkg-query -W -f '${db:Status-Abbrev}${Package}:${Architecture}\n' $wanted 2>/dev/null |
+      sed -n "s/^ii *//p" | sed -E "s/:(all|$native)\$//" | sort -u)
+}
+
+# missing_architectures "NAME NAME:ARCHITECTURE": those that dpkg does not know yet.
+missing_architectures() {
+  local name
+  for name in $1; do
+    [[ $name != *:* ]] || dpkg --print-foreign-architectures | grep -qx "${name#*:}" || printf '%s\n' "${name#*:}"
+  done | sort -u
 }
 
 # ensure_packages SECTION...: installs what is missing; returns at once where nothing is.
@@ -46,6 +57,7 @@ ensure_packages() {
       as_root=(sudo)
     else
       printf '%s: packages are missing; as root, run:\n' "$program" >&2
+      missing_architectures "$missing" | sed 's/^/dpkg --add-architecture /' >&2
       printf 'apt-get update && apt-get install -y --no-install-recommends %s\n' "$missing" >&2
       exit 1
     fi
@@ -58,7 +70,8 @@ install_packages() {
   local missing=$1; shift
   local apt=("$@" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600)
   say "installing: $missing"
-  local attempt
+  local attempt architecture
+  for architecture in $(missing_architectures "$missing"); do "$@" dpkg --add-architecture "$architecture"; done
   for attempt in 1 2; do
     "${apt[@]}" -qq update || true
     # shellcheck disable=SC2086
@@ -74,6 +87,23 @@ install_packages() {
 # fail with ARMSIGHT_REQUIRE_VCAN=1.
 ensure_peers() {
   "$repository/tests/vcan/peers/install" "$repository/build/peers" || say "the CANopen peers could not be installed (see above)"
+}
+
+# ensure_unpacked SECTION...: the packages of these sections marked "unpack", unpacked below build/unpacked/ARCHITECTURE.
+ensure_unpacked() {
+  local section name condition current="" folder
+  while read -r name condition _; do
+    if [[ $name == \[*\] ]]; then current=${name:1:-1}; continue; fi
+    [[ $condition == unpack && " $* " == *" $current "* ]] || continue
+    folder=$repository/build/unpacked/${name#*:}
+    [[ -e $folder/${name%:*} ]] && continue
+    say "unpacking: $name"
+    mkdir -p "$folder/download"
+    (cd "$folder/download" && apt-get -qq download "$name" && dpkg-deb -x "${name%:*}"_*.deb "$folder") ||
+      fail 1 "$name could not be had (apt-get update?)"
+    rm -r "$folder/download"
+    touch "$folder/${name%:*}"
+  done < <(sed 's/#.*//' "$repository/tools/apt-packages.txt")
 }
 
 # build PRESET [TARGET...]: configures and builds build/PRESET; without targets everything.
