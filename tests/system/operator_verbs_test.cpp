@@ -66,8 +66,26 @@ TEST_F(OperatorVerbs, ADryRunTellsTheMotionAndSendsTheDrivesNothing) {
   const std::vector<CandumpLine> frames = read_bus_log(folder_);
   for (std::size_t i = before; i < frames.size(); ++i) {
     const bool is_rpdo1 = (frames[i].frame.id & 0x780) == 0x200;
-    if (is_rpdo1) ASSERT_NE(frames[i].frame.data[0] & 0x0F, 0x0F) << "a drive was told to enable operation";
+    if (!is_rpdo1) continue;
+    ASSERT_NE(frames[i].frame.data[0] & 0x0F, 0x0F) << "a drive was told to enable operation";
   }
+}
+
+TEST_F(OperatorVerbs, AMoveIntoTheFloorIsRefusedByNameBeforeAnythingMoves) {
+  DemoOptions options = quiet_robot();
+  const std::filesystem::path raised = robot_file("high_floor");
+  write_changed_robot(options.robot_file, raised, {{"offset_m: -0.49", "offset_m: -0.30"}});
+  options.robot_file = raised;
+  start(options);
+  ASSERT_EQ(arm().host({"move", "ready"}), 0) << all_lines();
+  EXPECT_EQ(arm().host({"move", "--dry-run", "--joints=0.2,-0.2,0,0.1,0"}), 1);
+  EXPECT_NE(all_lines().find("would be refused: hand comes within"), std::string::npos) << all_lines();
+  EXPECT_NE(all_lines().find("of floor (margin 5.0 mm)"), std::string::npos) << all_lines();
+  EXPECT_EQ(arm().host({"move", "--joints=0.2,-0.2,0,0.1,0"}), 1);
+  EXPECT_NE(all_lines().find("of floor (margin 5.0 mm)"), std::string::npos) << all_lines();
+  const Truth truth = arm().finish();
+  const JointVector ready = load_robot(raised).postures.at("ready");
+  EXPECT_LT((true_joints(truth) - truth.after.beta - ready).cwiseAbs().maxCoeff(), 0.02) << "nothing moved";
 }
 
 TEST_F(OperatorVerbs, CtrlCUnderWayStopsAndHolds) {
