@@ -37,6 +37,7 @@ void check(const wire::CycleInput& in, const TickInbox& inbox, int joint_count) 
   if (inbox.mode && !is_one_of_them(inbox.mode->wish, PowerWish::kHold)) refuse(in, "unknown wish");
   if (inbox.goal && !is_one_of_them(inbox.goal->kind, GoalKind::kPoseInCamera)) refuse(in, "unknown kind of goal");
   if (inbox.goal && inbox.goal->q_real_rad.size() != joint_count) refuse(in, "goal without its angles");
+  if (inbox.goal && inbox.goal->commission_joint >= joint_count) refuse(in, "goal of a joint that is none");
   if (!inbox.proposal) return;
   const Eigen::Index state_size = kErrorBeta + joint_count;
   const Proposal& p = *inbox.proposal;

@@ -70,6 +70,7 @@ void ControlLoop::collect_inbox() noexcept {
   inbox_.mode = mailboxes_.mode.take();
   inbox_.goal = mailboxes_.goal.take();
   inbox_.hand = mailboxes_.hand.take();
+  inbox_.stiffness = mailboxes_.stiffness.take();
   inbox_.recalibration = mailboxes_.recalibration.take();
   inbox_.proposal = mailboxes_.proposal.take();
   inbox_.look_count = 0;
@@ -100,7 +101,8 @@ void ControlLoop::keep_inputs() noexcept {
   record_.stop = inbox_.stop;
   record_.model_not_saved = inbox_.model_not_saved;
   record_.lease = inbox_.lease;
-  const bool has_orders = inbox_.mode || inbox_.goal || inbox_.hand || inbox_.recalibration || inbox_.proposal || inbox_.look_count > 0;
+  const bool has_orders = inbox_.mode || inbox_.goal || inbox_.hand || inbox_.stiffness || inbox_.recalibration ||
+                          inbox_.proposal || inbox_.look_count > 0;
   record_.has_orders = has_orders;
   if (has_orders) tape_.orders.push({record_.cycle, inbox_});
 }

@@ -1,5 +1,7 @@
 #include "arm_controller/controller.hpp"
 
+#include <algorithm>
+
 namespace armsight::arm {
 namespace {
 
@@ -12,8 +14,14 @@ Controller::Controller(const RobotConfig& robot, const StartModel& start)
       history_(seconds_to_duration(robot.controller.period_s)),
       watch_(robot.arm.joint_count(), robot.controller.still_speed_rad_s, robot.controller.still_time_s,
              robot.controller.period_s),
-      motion_(robot), contact_(robot), soft_(robot.soft), hand_(robot.controller.period_s), adaptation_(robot, start) {
+      motion_(robot), contact_(robot), soft_(robot.soft), soft_arm_(robot.soft), commissioning_(robot), stiffness_(robot),
+      hand_(robot.controller.period_s), adaptation_(robot, start) {
   output_.command.q_rad = JointVector::Zero(arm_.joint_count());
+  // By a wrong sign it would push where it should carry.
+  feeds_gravity_ = commissioning_.is_done() && soft_arm_.has_masses() &&
+                   std::ranges::any_of(robot.drives, [](const DriveConfig& drive) {
+                     return drive.family == DriveFamily::kDamiao;
+                   });
 }
 
 const TickOutput& Controller::tick(Time now, const JointSamples& joints, const TickInbox& inbox) noexcept {
@@ -141,7 +149,9 @@ void Controller::step_motion(Time now) noexcept {
     }
     case Mode::kStopping:
       motion_.step_to_rest();
-      if (motion_.is_at_rest()) apply(ModeEvent::kStandstill);
+      if (!motion_.is_at_rest()) break;
+      apply(ModeEvent::kStandstill);
+      if (!wants_power_) apply(ModeEvent::kPowerOff);  // the drives stopped by themselves and hold
       break;
     case Mode::kHold: motion_.step_to_rest(); break;
     default: break;
@@ -152,11 +162,12 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
   JointCommand& command = output_.command;
   const bool is_driven = mode_ == Mode::kHold || mode_ == Mode::kServo || mode_ == Mode::kStopping;
   command.q_rad = is_driven ? motion_.command_rad() : joints.q_rad;
+  step_stiffness();
   step_soft_joints(joints, is_driven);
   command.hand_closure = hand_.command();
   command.hand_goal = hand_.target();
   command.hand_force_permille = hand_.force_limit_permille();
-  if (is_driven && !(command.q_rad.allFinite() && command.bend_rad.allFinite() && std::isfinite(command.hand_closure))) {
+  if (is_driven && !(command.q_rad.allFinite() && command.bend_rad.allFinite() && command.torque_Nm.allFinite() && std::isfinite(command.hand_closure))) {
     raise(now, {FaultCode::kNotFinite});
     command.q_rad = joints.q_rad;
     command.hand_closure = command.hand_goal = joints.hand_closure;
@@ -174,9 +185,26 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
 // Before power comes the drives' targets are bent already: an enabled drive then stands where the link is.
 void Controller::step_soft_joints(const JointSamples& joints, bool is_driven) noexcept {
   JointCommand& command = output_.command;
+  command.torque_Nm = feeds_gravity_ ? gravity_torque(soft_arm_.chain, soft_arm_.links, soft_arm_.gravity_m_s2,
+                                                      command.q_rad + adaptation_.model().beta)
+                                     : JointVector::Zero(arm_.joint_count());
+  if (!commissioning_.is_done()) {
+    command.bend_rad = JointVector::Zero(arm_.joint_count());
+    return;
+  }
   if (!is_driven) soft_.reset();
   soft_.step(command.q_rad, joints.q_rad, adaptation_.model().beta, is_driven && motion_.is_at_rest(), period_s_);
   command.bend_rad = soft_.offset_rad();
+}
+
+void Controller::step_stiffness() noexcept {
+  stiffness_.step();
+  JointCommand& command = output_.command;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(arm_.joint_count()); ++i) {
+    command.stiffness_permille[i] = stiffness_.permille(i);
+    command.stiffness_goal_permille[i] = stiffness_.goal_permille(i);
+    soft_.set_preset_share(static_cast<int>(i), stiffness_.share(i));
+  }
 }
 
 void Controller::announce_model() noexcept {
@@ -197,6 +225,7 @@ void Controller::fill_snapshot(const JointSamples& joints) noexcept {
   s.torque_Nm = joints.torque_Nm;
   s.hand_closure = joints.hand_closure;
   s.hand_command = output_.command.hand_closure;
+  s.stiffness_permille = output_.command.stiffness_permille;
   s.hand_effort_permille = joints.hand_effort_permille;
   s.model = adaptation_.model();
   s.goal = goal_;

@@ -5,12 +5,14 @@
 #include <array>
 
 #include "arm_controller/adaptation.hpp"
+#include "arm_controller/commissioning.hpp"
 #include "arm_controller/contact_watch.hpp"
 #include "arm_controller/hand.hpp"
 #include "arm_controller/joint_history.hpp"
 #include "arm_controller/joint_io.hpp"
 #include "arm_controller/messages.hpp"
 #include "arm_controller/motion.hpp"
+#include "arm_controller/stiffness.hpp"
 #include "arm_controller/stillness.hpp"
 
 namespace armsight::arm {
@@ -37,8 +39,11 @@ class Controller {
   void take_lease(Time now, const TickInbox& inbox) noexcept;
   void take_mode_order(Time now, const ModeOrder& order) noexcept;
   AnswerEvent answer_mode_order(const ModeOrder& order) noexcept;
-  void take_goal(const Goal& goal) noexcept;
+  void take_goal(const Goal& asked) noexcept;
   AnswerEvent judge_goal(const Goal& goal) const noexcept;
+  AnswerEvent judge_commissioning(const Goal& goal) const noexcept;
+  Goal commissioning_goal(const Goal& goal) const noexcept;
+  void take_stiffness_order(const StiffnessOrder& order) noexcept;
   void take_hand_order(const HandOrder& order) noexcept;
   void take_recalibration(const RecalibrationOrder& order) noexcept;
   void take_proposal(const Proposal& proposal) noexcept;
@@ -54,6 +59,7 @@ class Controller {
   void step_motion(Time now) noexcept;
   void step_command(const JointSamples& joints, Time now) noexcept;
   void step_soft_joints(const JointSamples& joints, bool is_driven) noexcept;
+  void step_stiffness() noexcept;
   void announce_model() noexcept;
   void fill_snapshot(const JointSamples& joints) noexcept;
   template <typename E>
@@ -77,6 +83,10 @@ class Controller {
   Motion motion_;
   ContactWatch contact_;
   SoftJoints soft_;
+  SoftArm soft_arm_;
+  Commissioning commissioning_;
+  Stiffness stiffness_;
+  bool feeds_gravity_ = false;    ///< drives that give way under it can be told
   Hand hand_;
   Adaptation adaptation_;
   std::uint64_t goal_ = 0;        ///< under way, or last reached

@@ -22,6 +22,10 @@ NodeOptions node_options(const RobotConfig& robot, const DriveConfig& drive) {
   options.script.rpdo_deadline_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.rpdo_deadline_s));
   options.script.controller_heartbeat_ms = static_cast<std::uint16_t>(std::lround(1e3 * robot.controller.heartbeat_s));
   options.counts_per_turn = drive.counts_per_turn;
+  options.gear = drive.gear;
+  options.stiffness_object = drive.stiffness_object;
+  options.script.stiffness_object = drive.stiffness_object;
+  options.script.stiffness_permille = drive.stiffness_permille;
   // Both watch each other with the same patience; a slow bus needs its cycles to show a state.
   options.heartbeat_lost_after = seconds_to_duration(robot.controller.heartbeat_s);
   options.state_timeout = std::max(options.state_timeout, kStateCycles * seconds_to_duration(robot.controller.period_s));
@@ -227,7 +231,11 @@ void DriveMaster::prepare(const JointCommand& command, Time now) noexcept {
     watch_encoder(i, q);
     const double bend = i < command.bend_rad.size() ? command.bend_rad[i] : 0.0;
     const DriveConfig& drive = drives_[static_cast<std::size_t>(i)];
-    if (const auto frame = node_at(i).set_target(drive.sign * (q - drive.zero_rad), drive.sign * bend))
+    const double torque = i < command.torque_Nm.size() ? command.torque_Nm[i] : 0.0;
+    const auto k = static_cast<std::size_t>(i);
+    const DriveTarget target{drive.sign * (q - drive.zero_rad), drive.sign * bend, drive.sign * torque,
+                             command.stiffness_permille[k], command.stiffness_goal_permille[k]};
+    if (const auto frame = node_at(i).set_target(target))
       add(*frame, bus_of(i), Kind::kSetPoint);
   }
   const double stroke = hand_.closed_counts - hand_.open_counts;

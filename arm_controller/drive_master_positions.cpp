@@ -35,7 +35,8 @@ void DriveMaster::check_wrap(int joint, double q_rad) noexcept {
   if (!wrap.is_known) return;
   wrap.last_rad = (*last_seen_)[joint];
   const double moved = q_rad - wrap.last_rad;
-  wrap.verdict = is_about_a_whole_turn(moved) ? Verdict::kRefused : Verdict::kOk;
+  const bool is_known_joint = drives_[static_cast<std::size_t>(joint)].is_commissioned;
+  wrap.verdict = is_known_joint && is_about_a_whole_turn(moved) ? Verdict::kRefused : Verdict::kOk;
   if (wrap.verdict == Verdict::kRefused) latch({FaultCode::kWholeTurn, node(joint).id(), 0, 0, 0, 0, -1, moved});
 }
 
@@ -45,6 +46,7 @@ void DriveMaster::settle_turns(int joint) noexcept {
   const DriveConfig& drive = drives_[static_cast<std::size_t>(joint)];
   JointDrive& woken = node_at(joint);
   woken.set_turns(0);
+  if (!drive.is_commissioned) return;  // what it counts means nothing yet
   const double q = drive.sign * woken.position_rad(sampling_time()) + drive.zero_rad;
   int fitting = 0, chosen = 0;
   double nearest = std::numeric_limits<double>::infinity();
@@ -69,7 +71,8 @@ bool DriveMaster::positions_are_plausible(const JointVector& q) noexcept {
     if (!samples_.has_positions) check_wrap(i, q[i]);
     const bool is_outside =
         q[i] < limits_.min_rad[i] - kBeyondLimits_rad || q[i] > limits_.max_rad[i] + kBeyondLimits_rad;
-    if (!samples_.has_positions && is_outside) latch({FaultCode::kOutsideLimits, node(i).id()});
+    const bool has_zero = drives_[static_cast<std::size_t>(i)].is_commissioned;
+    if (!samples_.has_positions && is_outside && has_zero) latch({FaultCode::kOutsideLimits, node(i).id()});
     const double remains = must_prove_positions_ ? q[i] - last_seen_->coeff(i) : 0.0;
     if (std::abs(remains) > kStepRemains_rad) latch({FaultCode::kEncoderStep, node(i).id(), 0, 0, 0, 0, -1, remains});
     if (samples_.has_positions && std::abs(q[i] - samples_.q_rad[i]) > farthest)

@@ -32,8 +32,8 @@ class JointDrive {
   void advance(Time now, bool is_due, PowerRequest power) noexcept {
     ask([&](auto& drive) { drive.advance(now, is_due, power); });
   }
-  std::optional<CanFrame> set_target(double target_rad, double bend_rad) noexcept {
-    return ask([&](auto& drive) { return drive.set_target(target_rad, bend_rad); });
+  std::optional<CanFrame> set_target(const DriveTarget& target) noexcept {
+    return ask([&](auto& drive) { return drive.set_target(target); });
   }
   std::optional<CanFrame> service_frame(Time now) noexcept {
     return ask([&](auto& drive) { return drive.service_frame(now); });

@@ -1,6 +1,7 @@
 // What passes between the tick and the bus, in the arm's own units: joint samples in, joint set-points out.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "arm_controller/fault.hpp"
@@ -28,6 +29,14 @@ struct JointSamples {
   double hand_effort_permille = 0.0;
 };
 
+/// Of one drive, at its output, before sign and zero.
+struct DriveTarget {
+  double position_rad = 0.0;
+  double bend_rad = 0.0;    ///< what the drive's target lies beyond the link's angle
+  double torque_Nm = 0.0;   ///< feed-forward
+  std::uint16_t stiffness_permille = 1000, stiffness_goal_permille = 1000;
+};
+
 enum class PowerRequest : std::uint8_t { kOff, kOn, kQuickStop };
 
 struct JointCommand {
@@ -35,6 +44,8 @@ struct JointCommand {
   bool recover = false;  ///< forget the fault, reset drives, configure again what was lost
   JointVector q_rad;     ///< targets as readings; used only where the phase is kPowered
   JointVector bend_rad;  ///< what a drive's target lies beyond the link's angle (soft joints); empty: nothing
+  JointVector torque_Nm; ///< feed-forward at the joints, for drives that take one; empty: nothing
+  std::array<std::uint16_t, kMaxJoints> stiffness_permille{}, stiffness_goal_permille{};  ///< now, and where it goes
   double hand_closure = 0.0;
   double hand_goal = 0.0;  ///< where the closure is led to: for a drive that goes there by itself
   std::uint16_t hand_force_permille = 1000;

@@ -62,6 +62,8 @@ void LinkServer::on_command(const Message& m) {
       if (!is_expired(m, e.pose_goal().valid_for_ns())) keep_pose_goal(m);
       return;
     case wire::Envelope::kHandCommand: return hand_on(m, mailboxes_.hand, e.hand_command());
+    case wire::Envelope::kStiffnessCommand:
+      return hand_on(m, mailboxes_.stiffness, e.stiffness_command(), view());
     case wire::Envelope::kModelProposal: return hand_on(m, mailboxes_.proposal, e.model_proposal(), view());
     case wire::Envelope::kRecalibrationStart: return hand_on(m, mailboxes_.recalibration, e.recalibration_start());
     case wire::Envelope::kHandPose: return on_look(m);

@@ -48,6 +48,25 @@ std::optional<Refused> check_way(const LinkView& view, const JointVector& q_real
                                                     ") rad"};
 }
 
+/// Nobody knows where an arm would go whose signs, scales and zeros nobody has tried.
+std::optional<Refused> check_commissioned(const RobotConfig& robot) {
+  const std::optional<std::size_t> open = robot.first_uncommissioned();
+  if (!open) return std::nullopt;
+  return Refused{wire::REFUSAL_REASON_NOT_COMMISSIONED, "joint " + robot.joint_names[*open] +
+                                                            " is not commissioned: host commission leads through it"};
+}
+
+std::optional<Refused> check_joint_goal(const wire::JointGoal& in, const LinkView& view, const JointVector& q) {
+  if (in.commission_joint() > static_cast<std::uint32_t>(q.size()))
+    return Refused{wire::REFUSAL_REASON_MALFORMED, "commission_joint = " + std::to_string(in.commission_joint()) +
+                                                       ": the arm has " + std::to_string(q.size()) + " joints"};
+  if (in.commission_joint() > 0) return std::nullopt;  // its limits are the tick's, from where it stands
+  if (auto no = check_commissioned(view.robot)) return no;
+  if (auto no = check_inside("q_real_rad", q, view.robot.arm.limits)) return no;
+  if (auto no = check_inside("q_real_rad - beta", q - view.state.model.beta, view.robot.arm.limits)) return no;
+  return check_way(view, q);
+}
+
 std::optional<Refused> find_posture(const LinkView& view, const JointVector& seed, Goal& goal) {
   const LearnedModel& model = view.state.model;
   const Pose T_B_G = goal.kind == GoalKind::kPoseInBase ? goal.T_X_G : model.T_C_B.inverse() * goal.T_X_G;
@@ -73,6 +92,28 @@ std::optional<Refused> read_order(const wire::ModeRequest& in, ModeOrder& out) {
     return Refused{wire::REFUSAL_REASON_MALFORMED, "mode: only READY and HOLD can be asked for"};
   out.wish = in.mode() == wire::MODE_HOLD ? PowerWish::kHold : PowerWish::kPowerOff;
   out.clear_fault = in.clear_fault();
+  out.quick_stop = in.quick_stop();
+  if (out.quick_stop && out.wish == PowerWish::kHold)
+    return Refused{wire::REFUSAL_REASON_MALFORMED, "quick_stop: goes with READY"};
+  return std::nullopt;
+}
+
+std::optional<Refused> read_order(const wire::StiffnessCommand& in, const LinkView& view, StiffnessOrder& out) {
+  const int joints = view.robot.arm.joint_count();
+  if (in.permille_size() != joints)
+    return Refused{wire::REFUSAL_REASON_MALFORMED, "permille: has " + std::to_string(in.permille_size()) +
+                                                       " values, must have " + std::to_string(joints)};
+  bool is_taken = false;
+  for (int i = 0; i < joints; ++i) {
+    if (in.permille(i) > 1000)
+      return Refused{wire::REFUSAL_REASON_OUT_OF_LIMITS, "permille[" + std::to_string(i) + "] = " +
+                                                             std::to_string(in.permille(i)) + ": must be at most 1000"};
+    const auto k = static_cast<std::size_t>(i);
+    const bool takes = view.robot.takes_stiffness(k);
+    out.permille[k] = takes ? static_cast<std::uint16_t>(in.permille(i)) : std::uint16_t{1000};
+    is_taken = is_taken || takes;
+  }
+  if (!is_taken) return Refused{wire::REFUSAL_REASON_WRONG_STATE, "permille: no drive of this arm can be told its stiffness"};
   return std::nullopt;
 }
 
@@ -80,10 +121,9 @@ std::optional<Refused> read_order(const wire::JointGoal& in, const LinkView& vie
   JointVector q;
   if (auto no = from_wire(in.q_real_rad(), "q_real_rad", view.robot.arm.joint_count(), q)) return no;
   if (auto no = check_range("speed_scale", in.speed_scale(), 0.0, 1.0)) return no;
-  if (auto no = check_inside("q_real_rad", q, view.robot.arm.limits)) return no;
-  if (auto no = check_inside("q_real_rad - beta", q - view.state.model.beta, view.robot.arm.limits)) return no;
-  if (auto no = check_way(view, q)) return no;
+  if (auto no = check_joint_goal(in, view, q)) return no;
   out.kind = GoalKind::kJoints;
+  out.commission_joint = static_cast<int>(in.commission_joint()) - 1;
   out.id = in.goal();
   out.q_real_rad = q;
   out.speed_scale = in.speed_scale();
@@ -93,6 +133,7 @@ std::optional<Refused> read_order(const wire::JointGoal& in, const LinkView& vie
 }
 
 std::optional<Refused> read_order(const wire::PoseGoal& in, const LinkView& view, Goal& out) {
+  if (auto no = check_commissioned(view.robot)) return no;
   if (auto no = from_wire(in.hand_goal(), "hand_goal", out.T_X_G)) return no;
   if (in.frame() != wire::GOAL_FRAME_BASE && in.frame() != wire::GOAL_FRAME_CAMERA)
     return Refused{wire::REFUSAL_REASON_MALFORMED, "frame: must be BASE or CAMERA"};
@@ -106,6 +147,7 @@ std::optional<Refused> read_order(const wire::PoseGoal& in, const LinkView& view
     return Refused{wire::REFUSAL_REASON_STALE_MODEL,
                    "model_revision = " + std::to_string(in.model_revision()) + ": revision " +
                        std::to_string(view.state.model.revision) + " is in force"};
+  out.commission_joint = -1;
   out.id = in.goal();
   out.kind = in.frame() == wire::GOAL_FRAME_BASE ? GoalKind::kPoseInBase : GoalKind::kPoseInCamera;
   out.model_revision = in.model_revision();

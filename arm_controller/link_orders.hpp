@@ -17,6 +17,8 @@ struct LinkView {
 };
 
 [[nodiscard]] std::optional<Refused> read_order(const wire::ModeRequest& in, ModeOrder& out);
+[[nodiscard]] std::optional<Refused> read_order(const wire::StiffnessCommand& in, const LinkView& view,
+                                                StiffnessOrder& out);
 [[nodiscard]] std::optional<Refused> read_order(const wire::JointGoal& in, const LinkView& view, Goal& out);
 /// Runs inverse kinematics on the model in force: milliseconds, on the link's thread.
 [[nodiscard]] std::optional<Refused> read_order(const wire::PoseGoal& in, const LinkView& view, Goal& out);

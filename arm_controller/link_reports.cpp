@@ -77,6 +77,7 @@ wire::RefusalReason to_wire(Answer answer) {
     case Answer::kTime: return wire::REFUSAL_REASON_TIME;
     case Answer::kMoving: return wire::REFUSAL_REASON_MOVING;
     case Answer::kNoLease: return wire::REFUSAL_REASON_NO_LEASE;
+    case Answer::kNotCommissioned: return wire::REFUSAL_REASON_NOT_COMMISSIONED;
   }
   return wire::REFUSAL_REASON_UNSPECIFIED;
 }
@@ -89,6 +90,8 @@ void to_wire(const ArmSnapshot& state, wire::ArmState& out) {
     armsight::to_wire(state.speed_rad_s, out.mutable_speed_rad_s());
     armsight::to_wire(state.q_command_rad, out.mutable_q_command_rad());
     armsight::to_wire(state.torque_Nm, out.mutable_torque_nm());
+    for (Eigen::Index i = 0; i < state.q_reading_rad.size(); ++i)
+      out.add_stiffness_permille(state.stiffness_permille[static_cast<std::size_t>(i)]);
   }
   out.set_hand_closure(state.hand_closure);
   out.set_hand_effort_permille(state.hand_effort_permille);

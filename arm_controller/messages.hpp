@@ -23,7 +23,12 @@ struct Tag {
 
 // ---- link → tick
 enum class PowerWish : std::uint8_t { kPowerOff, kHold };
-struct ModeOrder { Tag tag; PowerWish wish = PowerWish::kPowerOff; bool clear_fault = false; };
+struct ModeOrder {
+  Tag tag;
+  PowerWish wish = PowerWish::kPowerOff;
+  bool clear_fault = false;
+  bool quick_stop = false;              ///< with kPowerOff: the drives brake and then hold, powered
+};
 
 enum class GoalKind : std::uint8_t { kJoints, kPoseInBase, kPoseInCamera };
 struct Goal {
@@ -35,6 +40,7 @@ struct Goal {
   std::uint64_t model_revision = 0;     ///< pose goals: computed with this one
   double position_tolerance_m = 0.0, orientation_tolerance_rad = 0.0;
   double speed_scale = 1.0;
+  int commission_joint = -1;            ///< joint goals: that one alone, not commissioned yet; the others' angles do not count
 };
 
 struct HandOrder {
@@ -42,6 +48,10 @@ struct HandOrder {
   double closure = 0.0;
   std::uint16_t force_limit_permille = 1000;
   double speed_scale = 1.0;
+};
+struct StiffnessOrder {
+  Tag tag;
+  std::array<std::uint16_t, kMaxJoints> permille{};
 };
 struct RecalibrationOrder { Tag tag; bool keep_covariance = false; };
 struct Look {
@@ -76,6 +86,7 @@ struct TickInbox {
   std::optional<ModeOrder> mode;
   std::optional<Goal> goal;
   std::optional<HandOrder> hand;
+  std::optional<StiffnessOrder> stiffness;
   std::optional<RecalibrationOrder> recalibration;
   std::optional<Proposal> proposal;
   std::array<Look, kMaxLooks> looks;
@@ -84,7 +95,7 @@ struct TickInbox {
 
 // ---- tick → link
 enum class Answer : std::uint8_t {
-  kAccepted, kWrongState, kStaleModel, kImplausible, kOutOfLimits, kTime, kMoving, kNoLease
+  kAccepted, kWrongState, kStaleModel, kImplausible, kOutOfLimits, kTime, kMoving, kNoLease, kNotCommissioned
 };
 struct AnswerEvent { Tag tag; Answer answer = Answer::kAccepted; const char* text = ""; };
 
@@ -131,6 +142,7 @@ struct ArmSnapshot {
   bool has_positions = false, is_still = false, hand_is_moving = false;
   JointVector q_reading_rad, speed_rad_s, q_command_rad, torque_Nm;
   double hand_closure = 0.0, hand_command = 0.0, hand_effort_permille = 0.0;
+  std::array<std::uint16_t, kMaxJoints> stiffness_permille{};
   LearnedModel model;
   std::uint64_t goal = 0;
   Fault fault;
@@ -143,6 +155,7 @@ struct Mailboxes {
   Slot<ModeOrder> mode;
   Slot<Goal> goal;
   Slot<HandOrder> hand;
+  Slot<StiffnessOrder> stiffness;
   Slot<RecalibrationOrder> recalibration;
   Slot<Proposal> proposal;
   Ring<Look, kMaxLooks> looks;

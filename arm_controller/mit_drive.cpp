@@ -144,8 +144,17 @@ CanFrame MitDrive::framed(CanFrame frame) const noexcept {
 }
 
 CanFrame MitDrive::command(double position_rad, double speed_rad_s) const noexcept {
-  const MitCommand command{position_rad, speed_rad_s, options_.drive.kp_Nm_rad, options_.drive.kd_Nms_rad, 0.0};
+  const MitCommand command{position_rad, speed_rad_s, kp_Nm_rad_, kd_Nms_rad_, torque_Nm_};
   return framed(encode(command, id(), options_.drive.ranges));
+}
+
+/// From the softest at 0 to the robot file's stiffness; the damping goes with its root, so that the joint swings no more
+/// when soft.
+void MitDrive::take_stiffness(std::uint16_t permille) noexcept {
+  const MitConfig& drive = options_.drive;
+  const double share = std::min(1e-3 * permille, 1.0);
+  kp_Nm_rad_ = drive.softest_kp_Nm_rad + share * (drive.kp_Nm_rad - drive.softest_kp_Nm_rad);
+  kd_Nms_rad_ = drive.kd_Nms_rad * std::sqrt(kp_Nm_rad_ / drive.kp_Nm_rad);
 }
 
 /// At rest where it is, or on the ramp to rest.
@@ -157,7 +166,9 @@ CanFrame MitDrive::hold() noexcept {
   return command(*held_rad_, stop_speed_rad_s_);
 }
 
-std::optional<CanFrame> MitDrive::set_target(double target_rad, double bend_rad) noexcept {
+std::optional<CanFrame> MitDrive::set_target(const DriveTarget& target) noexcept {
+  take_stiffness(target.stiffness_permille);
+  torque_Nm_ = target.torque_Nm;
   const bool is_enabled = sample_.state == MitState::kEnabled;
   if (phase_ == NodePhase::kAbsent || phase_ == NodePhase::kConfiguring) {
     // An arm that held when it was cleared is held while its registers are asked again.
@@ -179,10 +190,10 @@ std::optional<CanFrame> MitDrive::set_target(double target_rad, double bend_rad)
   if (!is_led) return hold();
   held_rad_.reset();
   stop_speed_rad_s_ = 0.0;
-  const double raw_rad = target_rad - offset_rad();
+  const double raw_rad = target.position_rad - offset_rad();
   const double speed_rad_s = (raw_rad - last_target_rad_.value_or(raw_rad)) / options_.period_s;
   last_target_rad_ = raw_rad;
-  return command(raw_rad + bend_rad, speed_rad_s);
+  return command(raw_rad + target.bend_rad, speed_rad_s);
 }
 
 }  // namespace armsight::arm

@@ -44,7 +44,7 @@ class MitDrive {
   /// After all frames of a cycle; is_due: a sample should have come.
   void advance(Time now, bool is_due, PowerRequest power) noexcept;
   /// This cycle's frame: command, order or the wish for a sample; nullopt while its registers are asked.
-  std::optional<CanFrame> set_target(double target_rad, double bend_rad) noexcept;
+  std::optional<CanFrame> set_target(const DriveTarget& target) noexcept;
   /// A register asked for, or set.
   std::optional<CanFrame> service_frame(Time now) noexcept;
 
@@ -84,6 +84,7 @@ class MitDrive {
   void advance_start(Time now) noexcept;
   void advance_power(Time now, PowerRequest power) noexcept;
   void supervise_samples(Time now, bool is_due) noexcept;
+  void take_stiffness(std::uint16_t permille) noexcept;
   CanFrame command(double position_rad, double speed_rad_s) const noexcept;
   CanFrame hold() noexcept;
   CanFrame framed(CanFrame frame) const noexcept;
@@ -112,6 +113,7 @@ class MitDrive {
   std::optional<double> held_rad_;        ///< where it holds, or the ramp of a stop has come to; of the drive's own count
   double stop_speed_rad_s_ = 0.0;
   std::optional<double> last_target_rad_;
+  double torque_Nm_ = 0.0, kp_Nm_rad_ = 0.0, kd_Nms_rad_ = 0.0;  ///< of this cycle
 };
 
 }  // namespace armsight::arm

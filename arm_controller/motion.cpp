@@ -18,9 +18,11 @@ constexpr int kLooksAhead = 8;                ///< along a stop of at most 0.3 s
 }  // namespace
 
 Motion::Motion(const RobotConfig& robot)
-    : chain_(robot.arm.chain), limits_(robot.arm.limits), period_s_(robot.controller.period_s),
-      goal_tolerance_rad_(robot.controller.goal_tolerance_rad), servo_(robot.arm.limits), before_(servo_),
-      collision_(robot.collision.model), levers_m_(levers_m(collision_, chain_)),
+    : chain_(robot.arm.chain), file_limits_(robot.arm.limits), limits_(robot.arm.limits), commissioning_(robot),
+      period_s_(robot.controller.period_s), goal_tolerance_rad_(robot.controller.goal_tolerance_rad),
+      servo_(robot.arm.limits), before_(servo_),
+      collision_(commissioning_.is_done() ? robot.collision.model : CollisionModel{}),  // angles that mean nothing yet
+      levers_m_(levers_m(collision_, chain_)),
       trim_(JointVector::Zero(chain_.joint_count)), target_reading_(JointVector::Zero(chain_.joint_count)),
       wanted_reading_(JointVector::Zero(chain_.joint_count)),
       seen_rad_(JointVector::Zero(chain_.joint_count)) {
@@ -38,6 +40,9 @@ void Motion::stand_at(const JointVector& q_reading) noexcept {
   servo_.reset(q_reading);
   trim_.setZero();
   yield_rad_.reset();
+  if (commissioning_.is_done()) return;
+  limits_ = commissioning_.limits_at(file_limits_, q_reading);
+  servo_.set_limits(limits_);
 }
 
 void Motion::start(const Goal& goal, const LearnedModel& model) noexcept {

@@ -10,6 +10,7 @@
 
 #include <optional>
 
+#include "arm_controller/commissioning.hpp"
 #include "arm_controller/messages.hpp"
 #include "arm_controller/stillness.hpp"
 #include "protocol/config.hpp"
@@ -41,6 +42,10 @@ class Motion {
   /// Undoes the last step_to_goal()'s set-point: a stop from there was found free.
   void step_back() noexcept { servo_ = before_; }
 
+  /// Of readings, before beta; of a joint that is not commissioned: around where it stood when power came on.
+  const JointLimits& limits() const noexcept { return limits_; }
+  /// Where the joints are led to now, real angles.
+  JointVector standing_rad(const JointVector& beta) const noexcept { return servo_.setpoint().q_rad - trim_ + beta; }
   bool is_at_rest() const noexcept { return servo_.is_at_rest() && !yield_rad_; }
   /// What goes to the drives. Inside the limits, or no farther outside than where the arm stood at power-on.
   const JointVector& command_rad() const noexcept { return servo_.setpoint().q_rad; }
@@ -65,7 +70,8 @@ class Motion {
   bool is_free_of(const JointVector& q_real, double distance_m, const LearnedModel& model) const noexcept;
 
   SerialChain chain_;
-  JointLimits limits_;
+  JointLimits file_limits_, limits_;
+  Commissioning commissioning_;
   double period_s_, goal_tolerance_rad_;
   JointServo servo_;
   JointServo before_;            ///< the last step to the goal

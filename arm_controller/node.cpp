@@ -3,6 +3,7 @@
 namespace armsight::arm {
 
 Node::Node(const NodeOptions& options) noexcept : options_(options), script_(make_node_script(options.script)) {
+  stiffness_.object = options.stiffness_object.value_or(ObjectAddress{});
   begin_check();
 }
 
@@ -34,8 +35,10 @@ void Node::restart(Time now) noexcept {
   has_torque_offset_ = true;
   missed_feedback_ = feedback_seen_ = 0;
   heartbeat_time_.reset();
-  torque_limit_.reset();
-  torque_limit_in_flight_.reset();
+  for (Setting* setting : {&torque_limit_, &stiffness_}) {
+    setting->taken.reset();
+    setting->in_flight.reset();
+  }
   controlword_ = kDisableVoltage;
   is_homed_ = false;
   homing_ = HomingStep::kNone;
@@ -148,20 +151,26 @@ std::optional<CanFrame> Node::service_frame(Time now) noexcept {
     nmt_to_send_.reset();
     return frame;
   }
-  if (phase_ == NodePhase::kReady && homing_ == HomingStep::kNone && sdo_.result() != SdoResult::kPending) {
-    if (torque_limit_in_flight_) {
-      if (sdo_.result() == SdoResult::kDone) torque_limit_ = torque_limit_in_flight_;
-      if (sdo_.result() == SdoResult::kTimedOut) latch(FaultCode::kSdoTimeout, {0x6072, 0});
-      if (sdo_.result() == SdoResult::kAborted) latch(FaultCode::kSdoAborted, {0x6072, 0}, sdo_.value());
-      torque_limit_in_flight_.reset();
-      sdo_.clear();
-    }
-    if (!fault_.is_set() && wanted_torque_limit_ != torque_limit_) {
-      torque_limit_in_flight_ = wanted_torque_limit_;
-      sdo_.start_write({0x6072, 0}, *wanted_torque_limit_, 2);
-    }
+  if (phase_ == NodePhase::kReady && homing_ == HomingStep::kNone) {
+    if (!stiffness_.in_flight) keep_setting(torque_limit_);
+    if (!torque_limit_.in_flight) keep_setting(stiffness_);
   }
   return sdo_.request_to_send(id(), now);
+}
+
+/// One exchange at a time; what the drive refuses is a fault.
+void Node::keep_setting(Setting& setting) noexcept {
+  if (sdo_.result() == SdoResult::kPending) return;
+  if (setting.in_flight) {
+    if (sdo_.result() == SdoResult::kDone) setting.taken = setting.in_flight;
+    if (sdo_.result() == SdoResult::kTimedOut) latch(FaultCode::kSdoTimeout, setting.object);
+    if (sdo_.result() == SdoResult::kAborted) latch(FaultCode::kSdoAborted, setting.object, sdo_.value());
+    setting.in_flight.reset();
+    sdo_.clear();
+  }
+  if (fault_.is_set() || !setting.wanted || setting.wanted == setting.taken) return;
+  setting.in_flight = setting.wanted;
+  sdo_.start_write(setting.object, *setting.wanted, 2);
 }
 
 }  // namespace armsight::arm

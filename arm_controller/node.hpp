@@ -21,6 +21,8 @@ enum class NodePhase : std::uint8_t { kAbsent, kConfiguring, kStarting, kReady }
 struct NodeOptions {
   ScriptOptions script;
   double counts_per_turn = 0.0;  ///< 0: not compared (the hand)
+  double gear = 1.0;             ///< of these, what the drive does not tell
+  std::optional<ObjectAddress> stiffness_object;
   double period_s = 0.004;
   Duration heartbeat_lost_after = std::chrono::milliseconds(250);
   Duration state_timeout = std::chrono::milliseconds(200);  ///< each state of the power machine
@@ -44,7 +46,7 @@ class Node {
   /// RPDO1 for this cycle; nullopt: the node takes none now. target_counts counts only once it follows.
   std::optional<CanFrame> set_point(std::int32_t target_counts, std::int32_t bend_counts = 0) noexcept;
   /// The same of a joint, in the terms of position_rad().
-  std::optional<CanFrame> set_target(double target_rad, double bend_rad) noexcept;
+  std::optional<CanFrame> set_target(const DriveTarget& target) noexcept;
   /// One asynchronous frame, after the RPDOs.
   std::optional<CanFrame> service_frame(Time now) noexcept;
 
@@ -53,8 +55,8 @@ class Node {
   void restart(Time now) noexcept;      ///< from the beginning
   void recover(Time now) noexcept;      ///< forgets the fault; resets the drive or configures it again
   /// Grip limit, ‰ of the rated torque (0x6072); sent when it changes.
-  void set_torque_limit(std::uint16_t permille) noexcept { wanted_torque_limit_ = permille; }
-  bool torque_limit_is_set() const noexcept { return torque_limit_ == wanted_torque_limit_; }
+  void set_torque_limit(std::uint16_t permille) noexcept { torque_limit_.wanted = permille; }
+  bool torque_limit_is_set() const noexcept { return torque_limit_.taken == torque_limit_.wanted; }
 
   std::uint8_t id() const noexcept { return options_.script.node; }
   NodePhase phase() const noexcept { return phase_; }
@@ -94,6 +96,8 @@ class Node {
   void take_abort(const ScriptStep& step) noexcept;
   void start_step(const ScriptStep& step) noexcept;
   void next_step() noexcept;
+  struct Setting;
+  void keep_setting(Setting& setting) noexcept;
   bool check_counts() noexcept;
   bool check_supervision() noexcept;
   void note_identity() noexcept;
@@ -144,7 +148,12 @@ class Node {
   std::optional<std::int32_t> last_target_;       ///< cyclic velocity: of the cycle before
   std::optional<std::int32_t> profile_target_;    ///< profile position: the one that the drive has taken
   bool profile_is_new_ = false;                   ///< controlword bit 4 is up
-  std::optional<std::uint16_t> wanted_torque_limit_, torque_limit_, torque_limit_in_flight_;
+  /// A 16-bit object that may be written at any time: as wanted, as the drive took it, as it is being written.
+  struct Setting {
+    ObjectAddress object;
+    std::optional<std::uint16_t> wanted, taken, in_flight;
+  };
+  Setting torque_limit_{{0x6072, 0}, {}, {}, {}}, stiffness_{};
 };
 
 }  // namespace armsight::arm

@@ -115,6 +115,8 @@ NodeScript make_node_script(const ScriptOptions& options) {
   add_pdo_mapping(builder, options);
   add_timing(builder, options);
   add_homing(builder, options);
+  if (options.stiffness_object)
+    builder.optional(options.stiffness_object->index, options.stiffness_object->sub, 2, options.stiffness_permille);
   builder.write(0x6060, 0, 1, static_cast<std::uint32_t>(options.mode));  // last: never with other settings pending
   return script;
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "protocol/can_frames.hpp"
 #include "protocol/config.hpp"
@@ -55,6 +56,8 @@ struct ScriptOptions {
   std::uint16_t drive_heartbeat_ms = 100;
   DriveMode mode = DriveMode::kCyclicPosition;
   std::uint8_t homing_method = 0;               ///< 0: none
+  std::optional<ObjectAddress> stiffness_object;
+  std::uint16_t stiffness_permille = 1000;
 };
 
 NodeScript make_node_script(const ScriptOptions& options);

@@ -129,9 +129,10 @@ bool Node::check_counts() noexcept {
     return stored_[under] == 0 ? 1.0 : static_cast<double>(stored_[over]) / stored_[under];
   };
   const double counts = ratio(kEncoderCounts, kEncoderTurns) * ratio(kGearMotor, kGearShaft);
-  check_.counts_per_turn = counts;
-  if (options_.counts_per_turn <= 0.0 || std::abs(counts - options_.counts_per_turn) < 0.5) return true;
-  latch(FaultCode::kWrongIdentity, {0x608F, 1}, clamped(counts), clamped(options_.counts_per_turn));
+  check_.counts_per_turn = counts * options_.gear;
+  const double wanted = options_.counts_per_turn / options_.gear;
+  if (options_.counts_per_turn <= 0.0 || std::abs(counts - wanted) < 0.5) return true;
+  latch(FaultCode::kWrongIdentity, {0x608F, 1}, clamped(counts), clamped(wanted));
   return false;
 }
 

@@ -28,10 +28,12 @@ std::int32_t to_counts(double value) noexcept {
 
 double Node::position_rad(Time) const noexcept { return kTurn_rad / options_.counts_per_turn * position_counts(); }
 
-std::optional<CanFrame> Node::set_target(double target_rad, double bend_rad) noexcept {
+std::optional<CanFrame> Node::set_target(const DriveTarget& target) noexcept {
   const double count_rad = kTurn_rad / options_.counts_per_turn;
-  return set_point(static_cast<std::int32_t>(std::lround(target_rad / count_rad)),
-                   static_cast<std::int32_t>(std::lround(bend_rad / count_rad)));
+  const bool takes_stiffness = options_.stiffness_object && phase_ == NodePhase::kReady && !lacks(stiffness_.object);
+  stiffness_.wanted = takes_stiffness ? std::optional(target.stiffness_goal_permille) : std::nullopt;
+  return set_point(static_cast<std::int32_t>(std::lround(target.position_rad / count_rad)),
+                   static_cast<std::int32_t>(std::lround(target.bend_rad / count_rad)));
 }
 
 std::optional<CanFrame> Node::set_point(std::int32_t target_counts, std::int32_t bend_counts) noexcept {

@@ -194,6 +194,15 @@ int RobotConfig::bus_count() const {
   return highest + 1;
 }
 
+std::optional<std::size_t> RobotConfig::first_uncommissioned() const {
+  const auto found = std::ranges::find(drives, false, &DriveConfig::is_commissioned);
+  return found == drives.end() ? std::nullopt : std::optional<std::size_t>(found - drives.begin());
+}
+
+bool RobotConfig::takes_stiffness(std::size_t joint) const {
+  return drives[joint].family == DriveFamily::kDamiao || drives[joint].stiffness_object.has_value();
+}
+
 bool RobotConfig::has_fd_drive(int bus) const {
   return std::ranges::any_of(drives, [bus](const DriveConfig& drive) { return drive.bus == bus && drive.mit.is_fd; });
 }

@@ -29,7 +29,8 @@ inline constexpr int kMaxBuses = 4;
 struct MitConfig {
   std::uint8_t reply_id = 0;  ///< its master id: the identifier of its samples
   MitRanges ranges;
-  double kp_Nm_rad = 0.0, kd_Nms_rad = 0.0;
+  double kp_Nm_rad = 0.0, kd_Nms_rad = 0.0;  ///< at full stiffness
+  double softest_kp_Nm_rad = 0.0;            ///< at stiffness 0
   bool is_fd = false;
 };
 
@@ -39,7 +40,11 @@ struct DriveConfig {
   std::uint8_t bus = 0;                         ///< which of the arm's CAN buses
   DriveFamily family = DriveFamily::kCanopen;
   MitConfig mit;
-  double counts_per_turn = 0;                   ///< DAMIAO: of the position's 16-bit code
+  double counts_per_turn = 0;                   ///< of the joint; DAMIAO: of the position's 16-bit code
+  double gear = 1.0;                            ///< counts_per_turn over what the drive itself tells: a gear it leaves out
+  bool is_commissioned = false;                 ///< sign, scale, zero and stop were tried on the arm (host commission)
+  std::uint16_t stiffness_permille = 1000;      ///< preset at start
+  std::optional<ObjectAddress> stiffness_object;///< CANopen: where the drive takes it, u16 in ‰
   int sign = 1;
   double zero_rad = 0.0;
   DriveMode mode = DriveMode::kCyclicPosition;  ///< or kCyclicVelocity: 0x60FF, counts/s
@@ -103,6 +108,10 @@ struct RobotConfig {
   EkfOptions filter;
   /// Buses that drives and hand are on: 0 … bus_count() - 1, none left out.
   int bus_count() const;
+  /// nullopt: every joint is commissioned.
+  std::optional<std::size_t> first_uncommissioned() const;
+  /// Its drive can be told how stiff to be.
+  bool takes_stiffness(std::size_t joint) const;
   /// Some drive on that bus speaks CAN FD.
   bool has_fd_drive(int bus) const;
 

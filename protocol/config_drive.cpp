@@ -37,11 +37,32 @@ DriveMode read_mode(const YamlValue& mode, const char* name, DriveMode second) {
   return DriveMode::kCyclicPosition;
 }
 
+constexpr double kSoftestShare = 0.1;  // of kp_Nm_rad, where the file names no softest
+
+ObjectAddress read_object(const YamlValue& object) {
+  const YamlValue index = object.key("index");
+  const std::uint64_t address = index.hexadecimal();
+  if (address > 0xFFFF) index.refuse("must be at most 0xFFFF");
+  return {static_cast<std::uint16_t>(address), static_cast<std::uint8_t>(object.key("sub").integer(0, 255))};
+}
+
+/// A preset that nothing takes would look like one that is in force.
+void read_stiffness(const YamlValue& drive, DriveConfig& out) {
+  const YamlValue preset = drive.optional_key("stiffness_permille");
+  if (!preset.exists()) return;
+  out.stiffness_permille = static_cast<std::uint16_t>(preset.integer(0, 1000));
+  if (out.family == DriveFamily::kCanopen && !out.stiffness_object)
+    preset.refuse("needs a drive that takes it: family damiao, or stiffness_object");
+}
+
 /// Set-points and samples travel as 32-bit counts.
 void read_canopen(const YamlValue& drive, double farthest_rad, DriveConfig& out) {
   const YamlValue counts = drive.key("counts_per_turn");
   out.counts_per_turn = counts.positive(2147483647);
   out.mode = read_mode(drive.optional_key("mode"), "csv", DriveMode::kCyclicVelocity);
+  if (const YamlValue gear = drive.optional_key("gear"); gear.exists()) out.gear = gear.positive(100000);
+  if (const YamlValue object = drive.optional_key("stiffness_object"); object.exists())
+    out.stiffness_object = read_object(object);
   const YamlValue homing = drive.optional_key("homing_method");
   if (homing.exists()) out.homing_method = static_cast<std::uint8_t>(homing.integer(35, 37));
   if (out.homing_method == 36) homing.refuse("must be 35 or 37");
@@ -60,6 +81,9 @@ void read_damiao(const YamlValue& drive, std::set<std::int64_t>& taken, double f
   mit.kp_Nm_rad = drive.key("kp_Nm_rad").number(0.1, kMitMaxKp_Nm_rad);
   mit.kd_Nms_rad = kd.number(0, kMitMaxKd_Nms_rad);
   if (kd.exists() && mit.kd_Nms_rad == 0.0) kd.refuse("must be > 0: stiffness without damping swings");
+  const YamlValue softest = drive.optional_key("softest_kp_Nm_rad");
+  mit.softest_kp_Nm_rad = softest.exists() ? softest.number(0.1, kMitMaxKp_Nm_rad) : kSoftestShare * mit.kp_Nm_rad;
+  if (softest.exists() && mit.softest_kp_Nm_rad > mit.kp_Nm_rad) softest.refuse("must be at most kp_Nm_rad");
   if (const YamlValue fd = drive.optional_key("fd"); fd.exists()) mit.is_fd = fd.boolean();
   if (range.exists() && farthest_rad + std::abs(out.zero_rad) + kTurn_rad > mit.ranges.position_rad)
     range.refuse("must reach a turn beyond the limits and zero_rad: the drive wakes up within one turn");
@@ -80,6 +104,8 @@ DriveConfig read_drive(const YamlValue& drive, std::set<std::int64_t>& taken, do
   out.family = read_family(drive.optional_key("family"));
   if (out.family == DriveFamily::kDamiao) read_damiao(drive, taken, farthest_rad, out);
   else read_canopen(drive, farthest_rad, out);
+  read_stiffness(drive, out);
+  if (const YamlValue done = drive.optional_key("commissioned"); done.exists()) out.is_commissioned = done.boolean();
   return out;
 }
 

@@ -56,6 +56,9 @@ class YamlValue {
   /// Records a violation of a rule that only the reader knows: "<place>: key = value: <rule>".
   void refuse(const std::string& rule) const;
   const std::string& path() const { return path_; }
+  /// Where it begins in the file, from 1, in bytes; 0: absent.
+  int line() const;
+  int column() const;
 
  private:
   friend class StrictYaml;

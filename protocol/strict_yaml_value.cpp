@@ -34,6 +34,9 @@ std::optional<T> parse_number(std::string_view text, int base = 10) {
 
 bool YamlValue::exists() const { return node_ != nullptr; }
 
+int YamlValue::line() const { return node_ == nullptr ? 0 : node_->place.line; }
+int YamlValue::column() const { return node_ == nullptr ? 0 : node_->place.column; }
+
 void YamlValue::ignore_other_keys() const {
   if (node_ != nullptr) node_->may_have_others = true;
 }

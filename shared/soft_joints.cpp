@@ -16,13 +16,22 @@ bool SoftArm::has_springs() const {
   return std::any_of(springs.begin(), springs.begin() + chain.joint_count, [](const Spring& s) { return s.k_Nm > 0.0; });
 }
 
-SoftJoints::SoftJoints(const SoftArm& arm) : arm_(arm) {
+bool SoftArm::has_masses() const {
+  return std::any_of(links.begin(), links.begin() + chain.joint_count, [](const LinkMass& l) { return l.mass_kg > 0.0; });
+}
+
+SoftJoints::SoftJoints(const SoftArm& arm) : arm_(arm), full_(arm) {
   offset_ = feed_forward_ = integral_ = JointVector::Zero(arm.chain.joint_count);
 }
 
 void SoftJoints::reset() {
   integral_.setZero();
   has_beta_ = false;
+}
+
+void SoftJoints::set_preset_share(int joint, double share) {
+  const auto k = static_cast<std::size_t>(joint);
+  arm_.springs[k].preset_rad = share * full_.springs[k].preset_rad;
 }
 
 void SoftJoints::blend_beta(const JointVector& beta_rad, double dt_s) {

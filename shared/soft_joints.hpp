@@ -20,6 +20,7 @@ struct SoftArm {
 
   bool is_soft(int joint) const { return springs[static_cast<std::size_t>(joint)].k_Nm > 0.0; }
   bool has_springs() const;
+  bool has_masses() const;
 };
 
 class SoftJoints {
@@ -34,6 +35,8 @@ class SoftJoints {
   /// reasons that pass.
   void step(const JointVector& q_wanted_rad, const JointVector& q_reading_rad, const JointVector& beta_rad,
             bool is_resting, double dt_s);
+  /// Share of the description's preset that a spring has now, 0 … 1.
+  void set_preset_share(int joint, double share);
   /// Equilibrium − wanted link angle, what the drives' targets are moved by; 0 for stiff joints. Inside ± the springs'
   /// max_deflection_rad.
   const JointVector& offset_rad() const { return offset_; }
@@ -41,9 +44,9 @@ class SoftJoints {
   const JointVector& integral_rad() const { return integral_; }
 
  private:
-  SoftArm arm_;
   void blend_beta(const JointVector& beta_rad, double dt_s);
 
+  SoftArm arm_, full_;  ///< springs as they are now, and as described
   JointVector offset_, feed_forward_, integral_;
   std::array<AxisState, kMaxJoints> beta_;  ///< on its way to the offsets in force
   bool has_beta_ = false;

@@ -54,7 +54,30 @@ TEST(RobotFile, NamesPlaceKeyValueAndRule) {
             "robot.yaml:48:13: controller.period_s = -1: must be between 0.001 and 0.1");
 }
 
-constexpr const char* kElbowDrive = "{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0}";
+constexpr const char* kElbowDrive = "{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0, commissioned: true}";
+
+TEST(RobotFile, OnlyTheWordMakesAJointCommissioned) {
+  EXPECT_FALSE(load_robot(ARMSIGHT_ROBOT_FILE).first_uncommissioned());
+  for (const char* other : {"{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0}",
+                            "{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0, commissioned: false}"})
+    EXPECT_EQ(parse_robot(with(kElbowDrive, other), "robot.yaml").first_uncommissioned(), 3u) << other;
+  expect_complaint(kElbowDrive, "{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0, commissioned: yes}",
+                   "joints[3].drive.commissioned = yes: must be true or false");
+}
+
+TEST(RobotFile, APresetNeedsADriveThatTakesIt) {
+  const std::string drive = "{node: 4, counts_per_turn: 32768, sign: 1, zero_rad: 0, commissioned: true, ";
+  expect_complaint(kElbowDrive, drive + "stiffness_permille: 300}",
+                   "joints[3].drive.stiffness_permille = 300: needs a drive that takes it: family damiao, or "
+                   "stiffness_object");
+  const RobotConfig robot = parse_robot(
+      with(kElbowDrive, drive + "gear: 2, stiffness_object: {index: 0x20F0, sub: 2}, stiffness_permille: 300}"), "r");
+  EXPECT_EQ(robot.drives[3].stiffness_permille, 300);
+  EXPECT_EQ(robot.drives[3].stiffness_object, (ObjectAddress{0x20F0, 2}));
+  EXPECT_EQ(robot.drives[3].gear, 2.0);
+  EXPECT_TRUE(robot.takes_stiffness(3));
+  EXPECT_FALSE(robot.takes_stiffness(2));
+}
 
 TEST(RobotFile, TakesASecondBus) {
   EXPECT_EQ(load_robot(ARMSIGHT_ROBOT_FILE).bus_count(), 1);
@@ -131,7 +154,7 @@ TEST(RobotFile, RefusesRepeatedKeysEverywhere) {
 }
 
 TEST(RobotFile, RefusesUnknownKeysEverywhere) {
-  expect_complaint("counts_per_turn: 32768,", "counts_per_turn: 32768, gear: 1,", "joints[0].drive.gear: unknown key");
+  expect_complaint("counts_per_turn: 32768,", "counts_per_turn: 32768, turn: 1,", "joints[0].drive.turn: unknown key");
   expect_complaint("filter:", "filters: {a: 1}\nfilter:", "filters: unknown key");
 }
 
@@ -264,7 +287,7 @@ TEST(ModelHash, ChangesWithTheArmAndNotWithTheRates) {
   EXPECT_EQ(hash_with("period_s: 0.004", "period_s: 0.002"), shipped_hash);
   EXPECT_EQ(hash_with("position_m: [0.184,", "position_m: [0.2,"), shipped_hash);
   for (const auto& [a, b] : {std::pair("d_m: 0.168", "d_m: 0.169"), {"max_rad: 0.81", "max_rad: 0.82"},
-                             {"zero_rad: 0}", "zero_rad: 0.1}"}, {"sign: 1", "sign: -1"}, {"id: 7", "id: 8"},
+                             {"zero_rad: 0,", "zero_rad: 0.1,"}, {"sign: 1", "sign: -1"}, {"id: 7", "id: 8"},
                              {"[0.020, -0.030, 0]", "[0.021, -0.030, 0]"}, {"side_m: 0.05", "side_m: 0.051"}})
     EXPECT_NE(hash_with(a, b), shipped_hash) << a;
 }

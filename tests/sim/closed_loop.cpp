@@ -107,6 +107,10 @@ bool ClosedLoop::power_up() {
   return cycle_until([&] { return state.mode == arm::Mode::kHold; }, 2000);
 }
 
+void ClosedLoop::soften(const std::array<std::uint16_t, kMaxJoints>& permille) {
+  mailboxes_.stiffness.put({{1, 1}, permille});
+}
+
 void ClosedLoop::order(arm::PowerWish wish, bool clear_fault) { mailboxes_.mode.put({{1, 1}, wish, clear_fault}); }
 
 void ClosedLoop::die_for(Duration duration) {

@@ -29,6 +29,7 @@ class ClosedLoop {
   bool cycle_until(const std::function<bool()>& is_true, int at_most);
   bool power_up();
   void move_to(const JointVector& q_real);
+  void soften(const std::array<std::uint16_t, kMaxJoints>& permille);
   void order(arm::PowerWish wish, bool clear_fault = false);
   /// Time goes on without the controller.
   void die_for(Duration duration);

@@ -21,7 +21,7 @@ class SoftArmOfTheProgram : public SystemTest {
     std::string text{std::istreambuf_iterator<char>(in), {}};
     std::size_t at = 0;
     for (const auto& link : links) {
-      at = text.find("zero_rad: 0}}", at) + 12;
+      at = text.find("commissioned: true}}", at) + 19;
       text.insert(at, ",\n     link: {mass_kg: " + std::to_string(scale * link.mass_kg) + ", com_m: " + link.com_m +
                           "},\n     spring: {law: sinh, k_Nm: 0.02, a_per_rad: 11, preset_rad: 0.4, "
                           "max_deflection_rad: 0.8}");

@@ -101,8 +101,8 @@ void DamiaoDrive::obey(MitOrder order) {
 
 void DamiaoDrive::follow(const MitCommand& command) {
   if (state_ != MitState::kEnabled) return;
-  const auto counts = static_cast<std::int32_t>(std::lround((command.position_rad - woke_beside_rad_) / count_rad()));
-  motor_.command(command.kp_Nm_rad > 0.0 ? MotorMode::kFollow : MotorMode::kStop, counts, 1000);
+  motor_.command({(command.position_rad - woke_beside_rad_) / count_rad(), command.speed_rad_s, command.kp_Nm_rad,
+                  command.kd_Nms_rad, command.torque_Nm + push_Nm, config_.ranges.torque_Nm});
 }
 
 void DamiaoDrive::renew_deadline(Time now) {

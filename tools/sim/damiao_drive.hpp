@@ -1,8 +1,8 @@
 // A simulated DAMIAO drive in front of a Motor, with the traps that the real ones have: it wakes up disabled, within
 // one turn, with its time-out off and in whatever mode it was left; in any mode but MIT it answers no command; when its
 // time-out passes it lets go.
-//
-// Not modelled: the impedance. With any stiffness the motor follows its target as it does behind every drive.
+// Between them it is an impedance: what it gives is a torque, and how far the joint gives way its stiffness' business.
+// A brake, which real ones lack, holds the joint without power.
 #pragma once
 
 #include <map>
@@ -33,6 +33,7 @@ class DamiaoDrive : public BusNode {
   std::optional<MitRegister> stuck;   ///< answers a write, and keeps its value
   bool is_silent = false;             ///< off the bus, without power
   int dropped_samples = 0;            ///< so many are not sent
+  double push_Nm = 0.0;               ///< somebody leans on the joint, which the drive does not know
   int turns_at_power_on = 0;          ///< wakes up that many turns beside
   void fail(MitState state);
 

@@ -15,6 +15,7 @@ constexpr std::uint16_t kBit4 = 0x0010, kAcknowledged = 0x1000, kHomingAttained 
 constexpr std::uint16_t kFaultResetBit = 0x80;
 constexpr std::uint16_t kFollowingError = 0x8611;
 constexpr std::uint8_t kGenericError = 0x01, kMotionError = 0x20;
+constexpr std::uint32_t kFullStiffness_permille = 1000;
 constexpr std::uint32_t kRatedTorque_mNm = 6000;  // actuator of specification §4.4
 
 }  // namespace
@@ -108,6 +109,9 @@ void DriveNode::add_drive_objects() {
   free(0x60C2, 1, 1, 1);
   free(0x60C2, 2, 1, 0xFD);
   fixed(0x6502, 0, 4, kModes);
+  fixed(0x20F0, 0, 1, 2);
+  fixed(0x20F0, 1, 2, kFullStiffness_permille);
+  free(0x20F0, 2, 2, kFullStiffness_permille);
 }
 
 std::optional<std::uint32_t> DriveNode::live_value(ObjectAddress object) {
@@ -118,6 +122,7 @@ std::optional<std::uint32_t> DriveNode::live_value(ObjectAddress object) {
       const bool is_in_step = nmt_state() == NmtState::kOperational;
       return static_cast<std::uint32_t>(is_in_step ? sampled_counts_ : position());
     }
+    case 0x20F0: return object.sub == 1 ? std::optional(objects_.get(0x20F0, 2)) : std::nullopt;
     case 0x6077: return static_cast<std::uint16_t>(motor_.torque_permille());
     default: return std::nullopt;
   }
@@ -130,6 +135,7 @@ std::uint32_t DriveNode::judge(ObjectAddress object, std::uint32_t value) const 
     case 0x605E: return value <= 2 ? 0 : kBadValue;
     case 0x6060: return value >= 1 && value <= 10 && (kModes >> (value - 1) & 1) != 0 ? 0 : kBadValue;
     case 0x6098: return value == 35 || value == 37 ? 0 : kBadValue;
+    case 0x20F0: return value <= kFullStiffness_permille ? 0 : kBadValue;
     case 0x6072: return value <= 1000 ? 0 : kBadValue;
     case 0x60C2: return object.sub == 1 && value == 0 ? kBadValue : 0;
     default: return 0;
@@ -232,6 +238,7 @@ void DriveNode::lead_target(Time now) {
 }
 
 void DriveNode::drive_motor() {
+  motor_.set_stiffness(static_cast<std::uint16_t>(objects_.get(0x20F0, 2)));
   const auto limit = static_cast<std::uint16_t>(objects_.get(0x6072));
   const bool follows = state_ == DriveState::kOperationEnabled && objects_.get(0x6060) != 0;
   const bool stands = state_ == DriveState::kQuickStopActive || state_ == DriveState::kOperationEnabled ||

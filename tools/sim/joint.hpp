@@ -1,5 +1,6 @@
 // One true joint behind a position drive: follows its target first-order within speed and acceleration, brakes on a
-// quick-stop ramp, stops at the mechanical ends. A soft joint's drive turns a spring whose other end, the link, is bent
+// quick-stop ramp, stops at the mechanical ends. Behind an impedance drive it is an inertia that the drive's torque and
+// gravity turn; without power a brake holds it. A soft joint's drive turns a spring whose other end, the link, is bent
 // away by its load and is what the encoder sees.
 #pragma once
 
@@ -47,6 +48,8 @@ class Joint : public Motor {
   std::int32_t position_counts() override;
   std::int16_t torque_permille() const override;
   void command(MotorMode mode, std::int32_t target_counts, std::uint16_t torque_limit_permille) override;
+  void command(const Impedance& wanted) override;
+  void set_stiffness(std::uint16_t permille) override { preset_goal_ = 1e-3 * permille; }
   std::uint32_t counts_per_turn() const override;
   std::uint32_t following_window_counts() const override;
 
@@ -56,6 +59,8 @@ class Joint : public Motor {
   double seen_rad(double place) const;
   double counts_to_rad(double counts) const;
   double wanted_speed() const;
+  double impedance_torque() const;
+  void step_impedance(double dt_s, double load_Nm);
   void bend(double dt_s, double load_Nm);
   double behind_rad() const;
   void press_on_obstacle();
@@ -69,6 +74,8 @@ class Joint : public Motor {
   double bend_ = 0.0;           ///< link − motor
   MotorMode mode_ = MotorMode::kOff;
   double target_reading_rad_ = 0.0;
+  Impedance impedance_{};
+  double preset_ = 1.0, preset_goal_ = 1.0;  ///< share of the description's spring preset
 };
 
 }  // namespace armsight::sim

@@ -42,6 +42,7 @@ struct Plant::Impl {
   std::vector<Joint> joints;
   std::unique_ptr<Fingers> fingers;
   SoftArm soft;
+  bool feels_gravity = false;
   JointVector q;
   Pose T_B_O, T_H_O;
   std::vector<GraspRecord> grasps;
@@ -64,6 +65,8 @@ Plant::Plant(const RobotConfig& robot, const Scene& scene, Truth truth, Time sta
   plant.T_B_O = plant.truth.T_B_O;
   plant.q = plant.truth.start_rad;
   plant.soft = robot.soft;
+  const auto gives_way = [](const DriveConfig& drive) { return drive.family == DriveFamily::kDamiao; };
+  plant.feels_gravity = robot.soft.has_springs() || std::ranges::any_of(robot.drives, gives_way);
   const JointVector load = plant.loads();
   const NoiseFigures figures = noise_figures(plant.truth.noise);
   for (int i = 0; i < robot.arm.joint_count(); ++i) {
@@ -95,9 +98,9 @@ bool Plant::Impl::touch() {
   return record.is_held;
 }
 
-/// What the links need to be held; nobody asks where no spring gives way.
+/// What the links need to be held; nobody asks where neither spring nor impedance gives way.
 JointVector Plant::Impl::loads() const {
-  if (!soft.has_springs()) return JointVector::Zero(q.size());
+  if (!feels_gravity) return JointVector::Zero(q.size());
   return gravity_torque(truth.chain, soft.links, soft.gravity_m_s2, q);
 }
 
