@@ -167,7 +167,9 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
   command.hand_closure = hand_.command();
   command.hand_goal = hand_.target();
   command.hand_force_permille = hand_.force_limit_permille();
-  if (is_driven && !(command.q_rad.allFinite() && command.bend_rad.allFinite() && command.torque_Nm.allFinite() && std::isfinite(command.hand_closure))) {
+  const bool is_finite = command.q_rad.allFinite() && command.bend_rad.allFinite() && command.torque_Nm.allFinite() &&
+                         std::isfinite(command.hand_closure);
+  if (is_driven && !is_finite) {
     raise(now, {FaultCode::kNotFinite});
     command.q_rad = joints.q_rad;
     command.hand_closure = command.hand_goal = joints.hand_closure;

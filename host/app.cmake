@@ -5,6 +5,7 @@ add_library(armsight_host_app STATIC
   calibrate.cpp
   calibrate_files.cpp
   clock_alignment.cpp
+  commission.cpp
   dry_run.cpp
   first_sight.cpp
   grasp.cpp
@@ -12,12 +13,15 @@ add_library(armsight_host_app STATIC
   grasp_table.cpp
   hand_looks.cpp
   host_io.cpp
+  joint_fit.cpp
   json_out.cpp
   look_planning.cpp
   motion.cpp
+  operator.cpp
   planned_motion.cpp
   pose_planner.cpp
   power_verbs.cpp
+  robot_file_edit.cpp
   route.cpp
   run_verb.cpp
   running_guess.cpp

@@ -19,6 +19,8 @@ enum class Verb {
   kStatus,
   kStop,
   kBlackBox,
+  kCommission,
+  kStiffness,
   kPrintMarker,
   kRobotImport
 };
@@ -43,6 +45,10 @@ struct CommandLine {
   double watch_s = 0.0;
   std::string hand;            ///< open | close
   double force_permille = 500;
+  std::vector<std::string> commission_joints;  ///< commission: none: all that are open
+  std::string answers;                         ///< commission: file; empty: asks at the terminal
+  double tolerance_deg = 0.2;                  ///< commission: of the angles that people measure
+  std::vector<double> stiffness_permille;      ///< stiffness: one for all, or one a joint
   int marker_id = -1;          ///< print marker; -1: the hand's
   double marker_size_mm = 0.0; ///< 0: the hand's
   std::string dictionary, out, urdf, base_link, tip_link;

@@ -79,6 +79,27 @@ void add_acting(CLI::App& app, CommandLine& line) {
   add_motion(hand, line);
 }
 
+void add_commission(CLI::App& app, CommandLine& line) {
+  CLI::App* commission =
+      add_verb(app, line, "commission", "lead through new joints one by one: sign, scale, zero, limits, stop",
+               Verb::kCommission);
+  commission->add_option("--joint", line.commission_joints,
+                         "this one; may be repeated (all that are not commissioned)");
+  commission->add_option("--answers", line.answers, "YAML file of answers; default: asks at the terminal");
+  commission->add_option("--tolerance-deg", line.tolerance_deg, "how exactly the angles are measured")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 1.0));
+  commission->add_option("--out", line.out, "robot file to write")->required();
+  commission->add_flag("--dry-run", line.dry_run, "show what would be done; nothing moves");
+  CLI::App* stiffness = add_verb(app, line, "stiffness", "how stiff the joints are, where their drives can be told",
+                                 Verb::kStiffness);
+  stiffness
+      ->add_option("permille", line.stiffness_permille, "per mille of the robot file's, one for all or one a joint")
+      ->required()
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1000.0));
+}
+
 void add_watching(CLI::App& app, CommandLine& line) {
   add_verb(app, line, "enable", "power on, hold where it stands", Verb::kEnable);
   add_verb(app, line, "disable", "power off; an arm without brakes sinks", Verb::kDisable);
@@ -123,6 +144,7 @@ int main(int argc, char** argv) {
   add_connection(app, line);
   add_learning(app, line);
   add_acting(app, line);
+  add_commission(app, line);
   add_watching(app, line);
   add_tools(app, line);
   if (const auto code = armsight::host::parse_flags(app, argc, argv)) return *code;

@@ -122,6 +122,7 @@ MotionResult drive_straight(HostIo& io, const JointVector& q_real, const MotionO
   const double speed_scale = options.speed_scale * io.speed_scale();
   goal.set_speed_scale(speed_scale);
   goal.set_valid_for_ns(kGoalValid_ns);
+  goal.set_commission_joint(static_cast<std::uint32_t>(options.commission_joint));
   const std::uint64_t number = goal.goal();
   return follow(io, number, std::move(message), speed_scale, options.is_over);
 }

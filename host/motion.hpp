@@ -23,6 +23,7 @@ LearnedModel model_in_force(HostIo& io);
 
 struct MotionOptions {
   double speed_scale = 1.0;       ///< of the session's
+  int commission_joint = 0;       ///< 1 …: that one alone turns; it is not commissioned yet
   std::function<bool()> is_over;  ///< asked each cycle; true ends the waiting (not the motion)
 };
 /// To a posture, then still; over one between where the straight way comes too near to something.

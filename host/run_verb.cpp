@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -6,6 +8,7 @@
 #include "host/adapt.hpp"
 #include "host/calibrate.hpp"
 #include "host/command_line.hpp"
+#include "host/commission.hpp"
 #include "host/dry_run.hpp"
 #include "host/grasp.hpp"
 #include "host/host_io.hpp"
@@ -27,7 +30,8 @@ bool is_watching(Verb verb) { return verb == Verb::kStatus || verb == Verb::kSto
 bool needs_command(const CommandLine& line) { return !is_watching(line.verb) && !line.dry_run; }
 /// enable, disable and clear say themselves what is to become of the power.
 bool needs_power(const CommandLine& line) {
-  return needs_command(line) && line.verb != Verb::kEnable && line.verb != Verb::kDisable && line.verb != Verb::kClear;
+  return needs_command(line) && line.verb != Verb::kStiffness && line.verb != Verb::kEnable &&
+         line.verb != Verb::kDisable && line.verb != Verb::kClear;
 }
 
 HostIoOptions io_options(const CommandLine& line) {
@@ -63,6 +67,8 @@ void check_numbers(const CommandLine& line) {
   check("--force", {line.force_permille});
   check("--target-sigma-mm", {line.target_sigma_mm});
   check("--size-mm", {line.marker_size_mm});
+  check("--tolerance-deg", {line.tolerance_deg});
+  check("stiffness", line.stiffness_permille);
 }
 
 std::optional<Pose> pose_goal(const CommandLine& line) {
@@ -156,6 +162,30 @@ void show(HostIo& io, const CommandLine& line, const JointVector& q_goal, const 
   }
 }
 
+CommissionOptions commission_options(const CommandLine& line, const RobotConfig& robot) {
+  CommissionOptions options;
+  if (line.verb != Verb::kCommission) return options;
+  options.robot_file = line.robot;
+  options.out_file = line.out;
+  options.joints = joints_to_commission(robot, line.commission_joints);
+  options.tolerance_rad = line.tolerance_deg * kDegree;
+  return options;
+}
+
+/// A file of answers is read before anything moves.
+std::unique_ptr<Operator> operator_of(const CommandLine& line, const RobotConfig& robot,
+                                      const CommissionOptions& options) {
+  if (line.verb != Verb::kCommission || line.answers.empty()) return nullptr;
+  std::vector<std::string> names;
+  for (const std::size_t joint : options.joints) names.push_back(robot.joint_names[joint]);
+  return read_answers(line.answers, names);
+}
+
+void run_commission_verb(HostIo& io, std::unique_ptr<Operator> person, const CommissionOptions& options) {
+  if (!person) person = make_terminal_operator(STDIN_FILENO, std::cout, [&io] { io.step(); });
+  run_commission(io, *person, options, std::cout);
+}
+
 // Whoever stops the arm waits for no file, model or state: protocol/README.md asks for none of them.
 void run_stop_verb(const CommandLine& line) {
   const RobotConfig no_robot{};
@@ -170,6 +200,10 @@ void run_online(const CommandLine& line) {
   const HostIoOptions options = io_options(line);
   const std::optional<Pose> T_B_G = line.verb == Verb::kMove ? pose_goal(line) : std::nullopt;
   const JointVector q_goal = joint_goal(line, robot);
+  const CommissionOptions commission = commission_options(line, robot);
+  std::unique_ptr<Operator> person = operator_of(line, robot, commission);
+  const std::vector<std::uint32_t> stiffness =
+      line.verb == Verb::kStiffness ? stiffness_of(line.stiffness_permille, robot) : std::vector<std::uint32_t>();
   GraspTable table;
   if (line.verb == Verb::kGrasp) table = GraspTable::load(line.grasps);
   const GraspObject* object = line.verb == Verb::kGrasp ? &table.find(line.object) : nullptr;
@@ -181,6 +215,7 @@ void run_online(const CommandLine& line) {
   HostIo io(options, robot);
   open_session(io, needs_camera(line.verb));
   if (needs_power(line)) take_command(io, line.clear_fault);
+  if (line.dry_run && line.verb == Verb::kCommission) return show_commission(robot, commission, std::cout);
   if (line.dry_run && line.verb != Verb::kGrasp) return show(io, line, q_goal, T_B_G);
   switch (line.verb) {
     case Verb::kCalibrate: run_calibrate_verb(io, *files, line); break;
@@ -209,6 +244,8 @@ void run_online(const CommandLine& line) {
     case Verb::kStatus:
       line.watch ? run_watch(io, line.watch_s, std::cout) : run_status(io, line.out, std::cout);
       break;
+    case Verb::kCommission: run_commission_verb(io, std::move(person), commission); break;
+    case Verb::kStiffness: run_stiffness(io, stiffness, std::cout); break;
     case Verb::kBlackBox: run_black_box(io, line.out, std::cout); break;
     default: break;
   }

@@ -1,5 +1,6 @@
 #include "host/small_verbs.hpp"
 
+#include <cmath>
 #include <ostream>
 
 #include "host/json_out.hpp"
@@ -11,6 +12,7 @@ namespace armsight::host {
 namespace {
 
 constexpr double kPosePosition_m = 0.001;
+constexpr Duration kStiffnessTimeout = std::chrono::seconds(2);
 constexpr Duration kStopTimeout = std::chrono::seconds(5);
 constexpr Duration kAnswerTimeout = std::chrono::milliseconds(1200);
 
@@ -47,6 +49,49 @@ void run_hand(HostIo& io, double closure, double force_permille, std::ostream& p
   const HandResult hand = move_hand(io, closure, force_permille);
   progress << "hand: fingers at " << fixed(100 * hand.closure, 0) << " % with " << fixed(hand.effort_permille / 10, 0)
            << " % of their force" << std::endl;
+}
+
+std::vector<std::uint32_t> stiffness_of(const std::vector<double>& permille, const RobotConfig& robot) {
+  const std::size_t joints = robot.drives.size();
+  if (permille.size() != 1 && permille.size() != joints)
+    throw ConfigError("stiffness: " + std::to_string(permille.size()) + " values: must be one, or one a joint, " +
+                      std::to_string(joints));
+  std::vector<std::uint32_t> out(joints);
+  bool is_taken = false;
+  for (std::size_t i = 0; i < joints; ++i) {
+    out[i] = static_cast<std::uint32_t>(std::lround(permille[permille.size() == 1 ? 0 : i]));
+    is_taken = is_taken || robot.takes_stiffness(i);
+  }
+  if (!is_taken)
+    throw ConfigError("stiffness: no drive of " + robot.robot + " can be told: family damiao, or stiffness_object");
+  return out;
+}
+
+void run_stiffness(HostIo& io, const std::vector<std::uint32_t>& permille, std::ostream& out) {
+  wire::Envelope lease, message;
+  lease.mutable_lease_request();
+  io.demand(std::move(lease), "lease");
+  for (const std::uint32_t value : permille) message.mutable_stiffness_command()->add_permille(value);
+  io.demand(std::move(message), "stiffness");
+  const RobotConfig& robot = io.robot();
+  const auto is_there = [&] {
+    const auto& now = io.arm().state()->stiffness_permille();
+    for (int i = 0; i < static_cast<int>(permille.size()); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (robot.takes_stiffness(k) && (now.size() <= i || now[i] != permille[k])) return false;
+    }
+    return true;
+  };
+  if (!io.wait_until(is_there, kStiffnessTimeout)) throw CommandFailed("stiffness: not in force after 2 s");
+  std::string set, left;
+  for (std::size_t i = 0; i < permille.size(); ++i) {
+    std::string& text = robot.takes_stiffness(i) ? set : left;
+    text += (text.empty() ? "" : ", ") + robot.joint_names[i];
+    if (robot.takes_stiffness(i)) text += " " + std::to_string(permille[i]);
+  }
+  out << "stiffness: " << set << " per mille" << std::endl;
+  if (!left.empty())
+    out << "stiffness: DEGRADED: " << left << " stay as they are, their drives cannot be told" << std::endl;
 }
 
 void run_black_box(HostIo& io, const std::filesystem::path& file, std::ostream& out) {

@@ -25,7 +25,7 @@ std::string joint_row(const DescribedJoint& joint, const Pose& T_after, std::siz
   return "  - {name: " + joint.name + ",\n     frame: " + frame(T_after) + ",\n     min_rad: " + exact(low) +
          ", max_rad: " + exact(high) + ", max_speed_rad_s: " + exact(speed) +
          ", max_acceleration_rad_s2: 4, max_jerk_rad_s3: 80,\n     drive: {node: " + std::to_string(number) +
-         ", counts_per_turn: 32768, sign: 1, zero_rad: 0}}" +
+         ", counts_per_turn: 32768, sign: 1, zero_rad: 0, commissioned: false}}" +
          (has_limits ? "" : "   # no limits in the URDF: one turn") + "\n";
 }
 
@@ -37,7 +37,7 @@ std::string import_urdf(const std::filesystem::path& file, const std::string& ba
   std::string text = "# Imported from " + file.filename().string() + ", links " + base + " to " + tip +
                      ". Every joint turns about z; frame is the fixed pose after its turn.\n"
                      "# A URDF does not know the drives, speeds kept low for a first run: "
-                     "check node, counts_per_turn, sign, zero_rad.\n";
+                     "check node and counts_per_turn, then let host commission find sign, scale and zero.\n";
   text += "base_to_joint1: " + frame(chain.T_B_0) + "\njoints:\n";
   for (std::size_t i = 0; i < described.joints.size(); ++i) {
     text += joint_row(described.joints[i], chain.T_after[i], i + 1);
