@@ -7,17 +7,12 @@
 #include <stdexcept>
 
 #include "host/batch_calibration_refine.hpp"
+#include "host/noise_estimate.hpp"
 
 namespace armsight::host {
 namespace {
 
-constexpr double kFar = 1e9;  // norm of a look whose corners fall behind the camera
-
-double look_norm(const ChainModel& model, const Observation& z, const NoiseModel& noise) {
-  const auto r = residual_only(model, z);
-  if (!r) return kFar;
-  return (square_root_information(model, z, noise) * *r).norm() / std::sqrt(static_cast<double>(z.rows()));
-}
+constexpr double kLeastSigma_px = 0.01;  // rendered pictures: nothing is better known
 
 std::vector<double> look_norms(const ChainModel& model, const std::vector<Observation>& observations,
                                const NoiseModel& noise) {
@@ -43,15 +38,24 @@ double loss_width(const std::vector<double>& norms, const std::vector<char>& use
 
 /// One reweighting round: weights and width at the model, then Levenberg-Marquardt.
 void refine_once(BatchSolution& solution, const BatchOptions& options) {
-  const auto norms = look_norms(solution.model, solution.observations, options.noise);
-  const Refined refined = refine(solution.model, solution.observations, solution.used, options,
+  const auto norms = look_norms(solution.model, solution.observations, solution.noise);
+  BatchOptions at_noise = options;
+  at_noise.noise = solution.noise;
+  const Refined refined = refine(solution.model, solution.observations, solution.used, at_noise,
                                  loss_width(norms, solution.used, options));
   solution.model = refined.model;
   solution.iterations += refined.iterations;
   solution.converged = refined.converged;
 }
 
-void take_better_second_solutions(BatchSolution& solution, const NoiseModel& noise) {
+void estimate_noise(BatchSolution& solution) {
+  const double sigma_px = estimated_sigma_px(solution.model, solution.observations, solution.used);
+  for (auto& z : solution.observations) z.sigma_px = sigma_px > 0.0 ? std::max(sigma_px, kLeastSigma_px) : z.sigma_px;
+  solution.noise = estimated_floor(solution.model, solution.observations, solution.used, solution.noise);
+}
+
+void take_better_second_solutions(BatchSolution& solution) {
+  const NoiseModel& noise = solution.noise;
   for (std::size_t i = 0; i < solution.observations.size(); ++i) {
     Observation& z = solution.observations[i];
     if (!z.T_C_M_second || z.has_corners()) continue;
@@ -79,7 +83,7 @@ std::string outlier_reason(const ChainModel& model, const Observation& z, double
 
 /// Marks the looks whose norm stands far outside the others' spread.
 void mark_outliers(BatchSolution& solution, const BatchOptions& options) {
-  const auto norms = look_norms(solution.model, solution.observations, options.noise);
+  const auto norms = look_norms(solution.model, solution.observations, solution.noise);
   const double typical = std::max(median(norms), 0.3);
   for (std::size_t i = 0; i < norms.size(); ++i) {
     LookFit& look = solution.looks[i];
@@ -101,10 +105,11 @@ void finish(BatchSolution& solution, const BatchOptions& options) {
   solution.misfit = count > 0 ? std::sqrt(sum / count) : 0.0;
 }
 
-BatchSolution begin(const ChainModel& start, const std::vector<Observation>& observations) {
+BatchSolution begin(const ChainModel& start, const std::vector<Observation>& observations, const NoiseModel& noise) {
   BatchSolution solution;
   solution.model = start;
   solution.observations = observations;
+  solution.noise = noise;
   solution.looks.resize(observations.size());
   solution.used.assign(observations.size(), 1);
   return solution;
@@ -130,9 +135,9 @@ BatchSolution solve_batch(const std::vector<ChainModel>& starts, const std::vect
   double best_score = std::numeric_limits<double>::infinity();
   const auto refined = std::min(order.size(), static_cast<std::size_t>(options.refined_starts));
   for (std::size_t k = 0; k < refined; ++k) {
-    BatchSolution solution = begin(starts[order[k].second], observations);
+    BatchSolution solution = begin(starts[order[k].second], observations, options.noise);
     refine_once(solution, options);
-    take_better_second_solutions(solution, options.noise);
+    take_better_second_solutions(solution);
     const double score = robust_score(solution.model, solution.observations, options.noise);
     if (score < best_score || best.looks.empty()) {
       best = std::move(solution);
@@ -140,9 +145,10 @@ BatchSolution solve_batch(const std::vector<ChainModel>& starts, const std::vect
     }
   }
   for (int round = 1; round < options.rounds; ++round) {
+    if (options.estimates_noise) estimate_noise(best);
     mark_outliers(best, options);
     refine_once(best, options);
-    take_better_second_solutions(best, options.noise);
+    take_better_second_solutions(best);
   }
   finish(best, options);
   return best;

@@ -1,5 +1,5 @@
 // Learn: robust maximum likelihood for the problem of host/chain_problem.hpp, (4.5)–(4.7) whitened as in
-// specification §5.4. The only files that know Ceres; one thread, deterministic.
+// specification §5.4, by Levenberg-Marquardt on the normal equations; one thread, deterministic.
 // Several starts are scored by their robust cost, the best are refined, the loss follows the residuals' own spread,
 // gross outliers leave with a reason, and a look's second planar solution is taken where it fits better.
 #pragma once
@@ -7,14 +7,26 @@
 #include <string>
 #include <vector>
 
-#include "host/chain_problem.hpp"
+#include "host/look_weight.hpp"
 
 namespace armsight::host {
 
 enum class RobustLoss { kNone, kHuber, kCauchy };
 
+/// What is made small.
+enum class LearnCost {
+  kLikelihood,  ///< corners where there are any, else poses by their covariance; encoders and floor with both (default)
+  kPoses,       ///< corners only as the pose they give, with its covariance
+  kPixels,      ///< reprojection, every corner alike, no loss: what most tools do; poses as in kLikelihood
+  kThesis,      ///< (4.6) as printed: metres and half-angle sines unweighted, no loss
+};
+/// The looks as this cost sees them.
+std::vector<Observation> observations_for(LearnCost cost, const ChainModel& model,
+                                          const std::vector<Observation>& observations);
+
 struct BatchOptions {
   NoiseModel noise;
+  bool estimates_noise = false;     ///< the residuals set floor and σ_px, round by round; `noise` is where they begin
   RobustLoss loss = RobustLoss::kCauchy;
   double loss_per_median = 2.0;     ///< width of the loss over the median whitened residual norm of a look ...
   double outlier_per_median = 5.0;  ///< ... and the norm from which a look is left out
@@ -34,7 +46,8 @@ struct BatchSolution {
   ChainModel model;
   std::vector<LookFit> looks;
   std::vector<char> used;            ///< looks[i].used, as whitened_jacobian wants it
-  std::vector<Observation> observations;  ///< with the second solutions swapped in
+  std::vector<Observation> observations;  ///< with the second solutions swapped in, and the σ_px found
+  NoiseModel noise;                  ///< as given, or as found
   double misfit = 0.0;               ///< rms of norm over the used looks
   int iterations = 0;
   bool converged = false;

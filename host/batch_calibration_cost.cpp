@@ -7,6 +7,9 @@ namespace {
 
 template <int Rows, int Cols>
 using RowMajor = Eigen::Matrix<double, Rows, Cols, Eigen::RowMajor>;
+/// As Ceres lays a Jacobian out; a column stays a column.
+using RowMajorX = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Kind = UnknownBlock::Kind;
 
 /// E with dQ = ½ E w: columns 1–3 of the left- (right step) or right-multiplication matrix of Q = (w, x, y, z).
 Eigen::Matrix<double, 4, 3> quaternion_step(const double* Q, StepSide side) {
@@ -75,90 +78,78 @@ bool PoseManifold::MinusJacobian(const double* x, double* jacobian) const {
   return true;
 }
 
-UnknownValues::UnknownValues(const ChainModel& model) : camera(to_block(model.T_C_a.value)) {
-  for (const auto& target : model.targets) {
-    mounts.push_back(to_block(target.T_b_M.value));
-    scales.push_back(target.scale.value);
+UnknownValues::UnknownValues(const ChainModel& model) {
+  const auto put = [this](Kind kind, std::size_t index, const double* numbers, std::size_t count) {
+    values_[{kind, static_cast<int>(index)}].assign(numbers, numbers + count);
+  };
+  put(Kind::kCamera, 0, to_block(model.T_C_a.value).data(), 7);
+  for (std::size_t t = 0; t < model.targets.size(); ++t) {
+    put(Kind::kMount, t, to_block(model.targets[t].T_b_M.value).data(), 7);
+    put(Kind::kScale, t, &model.targets[t].scale.value, 1);
   }
-  for (const auto& offset : model.offsets) offsets.push_back(offset.value);
+  for (std::size_t j = 0; j < model.offsets.size(); ++j) put(Kind::kOffset, j, &model.offsets[j].value, 1);
+  for (std::size_t j = 0; j < model.axes.size(); ++j) put(Kind::kAxis, j, model.axes[j].value.data(), 4);
+  put(Kind::kIntrinsics, 0, to_vector(model.camera).data(), 9);
+  put(Kind::kTime, 0, &model.time_offset.value, 1);
 }
 
 void UnknownValues::write_to(ChainModel& model) const {
-  model.T_C_a.value = from_block(camera.data());
-  for (std::size_t t = 0; t < mounts.size(); ++t) {
-    model.targets[t].T_b_M.value = from_block(mounts[t].data());
-    model.targets[t].scale.value = scales[t];
-  }
-  for (std::size_t j = 0; j < offsets.size(); ++j) model.offsets[j].value = offsets[j];
+  for (const auto& [key, numbers] : values_) load_block({key.first, key.second, 0, 0}, numbers.data(), model);
 }
 
-LookCost::LookCost(ChainModel& scratch, const Observation& z, Eigen::MatrixXd W)
-    : scratch_(scratch), z_(z), W_(std::move(W)), involved_(involved_joints(scratch, z.target)) {
+void load_block(const UnknownBlock& block, const double* values, ChainModel& model) {
+  const auto index = static_cast<std::size_t>(block.index);
+  switch (block.kind) {
+    case Kind::kCamera: model.T_C_a.value = from_block(values); break;
+    case Kind::kMount: model.targets[index].T_b_M.value = from_block(values); break;
+    case Kind::kOffset: model.offsets[index].value = *values; break;
+    case Kind::kScale: model.targets[index].scale.value = *values; break;
+    case Kind::kAxis: model.axes[index].value = Eigen::Map<const Eigen::Vector4d>(values); break;
+    case Kind::kIntrinsics:
+      model.camera = with_vector(model.camera, Eigen::Map<const IntrinsicsVector>(values));
+      break;
+    case Kind::kTime: model.time_offset.value = *values; break;
+  }
+}
+
+LookCost::LookCost(ChainModel& scratch, const Observation& z, LookWeight W)
+    : scratch_(scratch), z_(z), W_(std::move(W)), columns_(look_unknowns(scratch, z.target)) {
   set_num_residuals(z.rows());
-  mutable_parameter_block_sizes()->assign(2, 7);
-  mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), involved_.size() + 1, 1);
+  for (const auto& block : columns_.blocks) {
+    mutable_parameter_block_sizes()->push_back(block.size == 6 ? 7 : block.size);
+  }
 }
 
 std::vector<double*> LookCost::blocks(UnknownValues& values) const {
-  const auto target = static_cast<std::size_t>(z_.target);
-  std::vector<double*> pointers{values.camera.data(), values.mounts[target].data()};
-  for (const int joint : involved_) pointers.push_back(&values.offsets[static_cast<std::size_t>(joint)]);
-  pointers.push_back(&values.scales[target]);
+  std::vector<double*> pointers;
+  for (const auto& block : columns_.blocks) pointers.push_back(values.of(block));
   return pointers;
 }
 
-void LookCost::load(double const* const* parameters) const {
-  ProblemTarget& target = scratch_.targets[static_cast<std::size_t>(z_.target)];
-  scratch_.T_C_a.value = from_block(parameters[0]);
-  target.T_b_M.value = from_block(parameters[1]);
-  for (std::size_t k = 0; k < involved_.size(); ++k) {
-    scratch_.offsets[static_cast<std::size_t>(involved_[k])].value = parameters[2 + k][0];
-  }
-  target.scale.value = parameters[2 + involved_.size()][0];
-}
-
 bool LookCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  load(parameters);
+  for (std::size_t b = 0; b < columns_.blocks.size(); ++b) load_block(columns_.blocks[b], parameters[b], scratch_);
   Eigen::Map<Eigen::VectorXd> r(residuals, num_residuals());
   if (!jacobians) {
     const auto plain = residual_only(scratch_, z_);
     if (plain) r = W_ * *plain;
     return plain.has_value();
   }
-  const auto residual = residual_of(scratch_, z_, involved_);
+  const auto residual = residual_of(scratch_, z_, columns_);
   if (!residual) return false;
   r = W_ * residual->r;
   const Eigen::MatrixXd J = W_ * residual->J;
-  for (int b = 0; b < 2; ++b) {
+  for (std::size_t b = 0; b < columns_.blocks.size(); ++b) {
     if (!jacobians[b]) continue;
+    const UnknownBlock& block = columns_.blocks[b];
+    if (block.size != 6) {
+      Eigen::Map<RowMajorX>(jacobians[b], num_residuals(), block.size) = J.middleCols(block.column, block.size);
+      continue;
+    }
     RowMajor<6, 7> lift;  // tangent → ambient: its product with PlusJacobian is the identity
-    PoseManifold(b == 0 ? StepSide::kRight : StepSide::kLeft).MinusJacobian(parameters[b], lift.data());
-    Eigen::Map<RowMajor<Eigen::Dynamic, 7>>(jacobians[b], num_residuals(), 7) = J.middleCols<6>(6 * b) * lift;
+    PoseManifold(block.kind == Kind::kCamera ? StepSide::kRight : StepSide::kLeft)
+        .MinusJacobian(parameters[b], lift.data());
+    Eigen::Map<RowMajorX>(jacobians[b], num_residuals(), 7) = J.middleCols<6>(block.column) * lift;
   }
-  for (Eigen::Index k = 12; k < J.cols(); ++k) {
-    double* column = jacobians[k - 10];
-    if (column) Eigen::Map<Eigen::VectorXd>(column, num_residuals()) = J.col(k);
-  }
-  return true;
-}
-
-bool PosePriorCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  const Pose value = from_block(parameters[0]);
-  Matrix6 J;
-  Eigen::Map<Vector6> r(residuals);
-  r = pose_prior_residual(unknown_, value, side_ == StepSide::kRight, &J);
-  if (jacobians && jacobians[0]) {
-    RowMajor<6, 7> lift;
-    PoseManifold(side_).MinusJacobian(parameters[0], lift.data());
-    Eigen::Map<RowMajor<6, 7>> ambient(jacobians[0]);
-    ambient = J * lift;
-  }
-  return true;
-}
-
-bool ScalarPriorCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  residuals[0] = (parameters[0][0] - prior_) / sigma_;
-  if (jacobians && jacobians[0]) jacobians[0][0] = 1.0 / sigma_;
   return true;
 }
 

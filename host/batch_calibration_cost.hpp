@@ -1,15 +1,16 @@
-// Ceres' view of host/chain_problem.hpp: poses as blocks of 7 (w, x, y, z, position) on their manifold, offsets and
-// scales as blocks of 1, one analytic cost function a look. Included by batch_calibration*.cpp alone.
+// Ceres' view of host/chain_problem.hpp: poses as blocks of 7 (w, x, y, z, position) on their quaternion manifold, the
+// other unknowns as they are, one analytic cost function a look. Included by batch_calibration_c*.cpp alone.
 #pragma once
 
 #include <ceres/cost_function.h>
 #include <ceres/manifold.h>
-#include <ceres/sized_cost_function.h>
 
 #include <array>
+#include <map>
+#include <utility>
 #include <vector>
 
-#include "host/chain_problem.hpp"
+#include "host/look_weight.hpp"
 
 namespace armsight::host {
 
@@ -34,50 +35,33 @@ class PoseManifold final : public ceres::Manifold {
   StepSide side_;
 };
 
-/// The values that Ceres moves, one problem's worth.
-struct UnknownValues {
+/// The values that Ceres moves, one problem's worth: poses as 7 numbers, the rest as they are.
+class UnknownValues {
+ public:
   explicit UnknownValues(const ChainModel& model);
+  double* of(const UnknownBlock& block) { return values_.at({block.kind, block.index}).data(); }
   void write_to(ChainModel& model) const;
 
-  PoseBlock camera;
-  std::vector<PoseBlock> mounts;
-  std::vector<double> offsets, scales;
+ private:
+  std::map<std::pair<UnknownBlock::Kind, int>, std::vector<double>> values_;
 };
+/// One block of numbers into the model.
+void load_block(const UnknownBlock& block, const double* values, ChainModel& model);
 
-/// W (z_measured − z_predicted) of one look. Blocks: camera, mount, involved offsets, scale.
+/// W (z_measured − z_predicted) of one look. Blocks: those of look_unknowns, in their order.
 class LookCost final : public ceres::CostFunction {
  public:
   /// `scratch` is written by Evaluate: one thread only.
-  LookCost(ChainModel& scratch, const Observation& z, Eigen::MatrixXd W);
+  LookCost(ChainModel& scratch, const Observation& z, LookWeight W);
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
   std::vector<double*> blocks(UnknownValues& values) const;
+  const LookUnknowns& columns() const { return columns_; }
 
  private:
-  void load(double const* const* parameters) const;
   ChainModel& scratch_;
   const Observation& z_;
-  Eigen::MatrixXd W_;
-  std::vector<int> involved_;
-};
-
-/// (value − prior) / sigma of a pose, in the step's own tangent.
-class PosePriorCost final : public ceres::SizedCostFunction<6, 7> {
- public:
-  PosePriorCost(const PoseUnknown& unknown, StepSide side) : unknown_(unknown), side_(side) {}
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
-
- private:
-  PoseUnknown unknown_;
-  StepSide side_;
-};
-
-class ScalarPriorCost final : public ceres::SizedCostFunction<1, 1> {
- public:
-  ScalarPriorCost(double prior, double sigma) : prior_(prior), sigma_(sigma) {}
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
-
- private:
-  double prior_, sigma_;
+  LookWeight W_;
+  LookUnknowns columns_;
 };
 
 }  // namespace armsight::host

@@ -1,137 +1,181 @@
+// Levenberg-Marquardt on the normal equations: a few dozen unknowns, thousands of rows, so each look adds its small
+// JᵀJ and no general solver's bookkeeping is paid for. The loss weighs a look's rows by ρ'(‖W r‖²).
 #include "host/batch_calibration_refine.hpp"
 
-#include <ceres/gradient_checker.h>
-#include <ceres/loss_function.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
-
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <limits>
 
-#include "host/batch_calibration_cost.hpp"
+#include "host/look_weight.hpp"
 
 namespace armsight::host {
 namespace {
 
-std::unique_ptr<ceres::LossFunction> make_loss(RobustLoss loss, double width) {
+constexpr double kImpossible = std::numeric_limits<double>::infinity();
+
+struct Loss {
+  double value, slope;  ///< ρ(s), ρ'(s)
+};
+
+Loss robust(RobustLoss loss, double s, double width) {
+  const double w2 = width * width;
   switch (loss) {
-    case RobustLoss::kHuber: return std::make_unique<ceres::HuberLoss>(width);
-    case RobustLoss::kCauchy: return std::make_unique<ceres::CauchyLoss>(width);
+    case RobustLoss::kCauchy: return {w2 * std::log1p(s / w2), 1.0 / (1.0 + s / w2)};
+    case RobustLoss::kHuber:
+      if (s > w2) return {2.0 * width * std::sqrt(s) - w2, width / std::sqrt(s)};
+      break;
     case RobustLoss::kNone: break;
   }
-  return nullptr;
+  return {s, 1.0};
 }
 
-/// Owns what one Ceres solve needs; `values` must outlive the problem.
+struct NormalEquations {
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g;
+  double cost = 0.0;
+};
+
 class Refinement {
  public:
   Refinement(const ChainModel& model, const std::vector<Observation>& observations, const std::vector<char>& used,
              const BatchOptions& options, double width)
-      : scratch_(model), values_(model), problem_(unowned_manifolds()) {
-    add_unknowns(model);
+      : observations_(observations), used_(used), options_(options), width_(width), layout_(unknown_layout(model)) {
+    for (std::size_t t = 0; t < model.targets.size(); ++t) add_target(look_unknowns(model, static_cast<int>(t)));
+    weights_.reserve(observations.size());
     for (std::size_t i = 0; i < observations.size(); ++i) {
-      if (!used[i]) continue;
-      const Observation& z = observations[i];
-      auto* cost = new LookCost(scratch_, z, square_root_information(model, z, options.noise));
-      const double rows_width = width * std::sqrt(static_cast<double>(z.rows()));
-      problem_.AddResidualBlock(cost, make_loss(options.loss, rows_width).release(), cost->blocks(values_));
+      weights_.push_back(used[i] ? std::optional<LookWeight>(LookWeight(model, observations[i], options.noise))
+                                 : std::nullopt);
     }
-    add_priors(model);
   }
 
-  ceres::Solver::Summary solve(int max_iterations) {
-    ceres::Solver::Options options;
-    options.num_threads = 1;  // deterministic
-    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;  // few unknowns, many rows; columns are scaled
-    options.max_num_iterations = max_iterations;
-    options.function_tolerance = 1e-10;
-    options.gradient_tolerance = 1e-12;
-    options.parameter_tolerance = 1e-12;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    return summary;
+  double cost(const ChainModel& model) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      if (!used_[i]) continue;
+      const auto r = residual_only(model, observations_[i]);
+      if (!r) return kImpossible;
+      sum += loss_of(i, (*weights_[i] * *r).squaredNorm()).value;
+    }
+    Eigen::VectorXd r;
+    Eigen::MatrixXd J;
+    prior_residuals(model, layout_, r, J);
+    return sum + r.squaredNorm();
   }
-  ChainModel result() {
-    values_.write_to(scratch_);
-    return scratch_;
+
+  /// cost = ∞ where a corner falls behind the camera.
+  NormalEquations linearise(const ChainModel& model) const {
+    NormalEquations equations;
+    Eigen::VectorXd r_prior;
+    Eigen::MatrixXd J_prior;
+    prior_residuals(model, layout_, r_prior, J_prior);
+    equations.H.noalias() = J_prior.transpose() * J_prior;
+    equations.g.noalias() = J_prior.transpose() * r_prior;
+    equations.cost = r_prior.squaredNorm();
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      if (used_[i] && !add_look(model, i, equations)) equations.cost = kImpossible;
+    }
+    return equations;
   }
+
+  const UnknownLayout& layout() const { return layout_; }
 
  private:
-  static ceres::Problem::Options unowned_manifolds() {
-    ceres::Problem::Options options;
-    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
-  }
-  void add_block(double* block, int size, Freedom freedom, ceres::Manifold* manifold) {
-    problem_.AddParameterBlock(block, size, manifold);
-    if (freedom == Freedom::kFixed) problem_.SetParameterBlockConstant(block);
-  }
-  void add_unknowns(const ChainModel& model) {
-    add_block(values_.camera.data(), 7, model.T_C_a.freedom, &right_);
-    for (std::size_t t = 0; t < model.targets.size(); ++t) {
-      add_block(values_.mounts[t].data(), 7, model.targets[t].T_b_M.freedom, &left_);
-      add_block(&values_.scales[t], 1, model.targets[t].scale.freedom, nullptr);
+  struct TargetColumns {
+    LookUnknowns look;
+    std::vector<std::pair<int, int>> from_to;  ///< column of the look, column of the problem
+  };
+
+  void add_target(const LookUnknowns& look) {
+    TargetColumns columns{look, {}};
+    for (const auto& block : look.blocks) {
+      const UnknownBlock* global = layout_.find(block.kind, block.index);
+      for (int c = 0; global && c < block.size; ++c) {
+        columns.from_to.emplace_back(block.column + c, global->column + c);
+      }
     }
-    for (std::size_t j = 0; j < model.offsets.size(); ++j) {
-      add_block(&values_.offsets[j], 1, model.offsets[j].freedom, nullptr);
-    }
-  }
-  void add_pose_prior(const PoseUnknown& pose, StepSide side, double* block) {
-    if (pose.freedom != Freedom::kPrior) return;
-    problem_.AddResidualBlock(new PosePriorCost(pose, side), nullptr, block);
-  }
-  void add_scalar_prior(const ScalarUnknown& scalar, double* block) {
-    if (scalar.freedom != Freedom::kPrior) return;
-    problem_.AddResidualBlock(new ScalarPriorCost(scalar.prior, scalar.prior_sigma), nullptr, block);
-  }
-  void add_priors(const ChainModel& model) {
-    add_pose_prior(model.T_C_a, StepSide::kRight, values_.camera.data());
-    for (std::size_t t = 0; t < model.targets.size(); ++t) {
-      add_pose_prior(model.targets[t].T_b_M, StepSide::kLeft, values_.mounts[t].data());
-      add_scalar_prior(model.targets[t].scale, &values_.scales[t]);
-    }
-    for (std::size_t j = 0; j < model.offsets.size(); ++j) add_scalar_prior(model.offsets[j], &values_.offsets[j]);
+    targets_.push_back(std::move(columns));
   }
 
-  ChainModel scratch_;
-  UnknownValues values_;
-  PoseManifold right_{StepSide::kRight}, left_{StepSide::kLeft};
-  ceres::Problem problem_;
+  Loss loss_of(std::size_t i, double squared) const {
+    return robust(options_.loss, squared, width_ * std::sqrt(static_cast<double>(observations_[i].rows())));
+  }
+
+  bool add_look(const ChainModel& model, std::size_t i, NormalEquations& equations) const {
+    const TargetColumns& columns = targets_[static_cast<std::size_t>(observations_[i].target)];
+    const auto residual = residual_of(model, observations_[i], columns.look);
+    if (!residual) return false;
+    const auto count = static_cast<Eigen::Index>(columns.from_to.size());
+    Eigen::MatrixXd J(residual->J.rows(), count);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      J.col(c) = residual->J.col(columns.from_to[static_cast<std::size_t>(c)].first);
+    }
+    const Eigen::MatrixXd A = *weights_[i] * J;
+    const Eigen::VectorXd r = *weights_[i] * residual->r;
+    const Loss loss = loss_of(i, r.squaredNorm());
+    const Eigen::MatrixXd H = A.transpose() * A;
+    const Eigen::VectorXd g = A.transpose() * r;
+    for (Eigen::Index a = 0; a < count; ++a) {
+      const int row = columns.from_to[static_cast<std::size_t>(a)].second;
+      equations.g[row] += loss.slope * g[a];
+      for (Eigen::Index b = 0; b < count; ++b) {
+        equations.H(row, columns.from_to[static_cast<std::size_t>(b)].second) += loss.slope * H(a, b);
+      }
+    }
+    equations.cost += loss.value;
+    return true;
+  }
+
+  const std::vector<Observation>& observations_;
+  const std::vector<char>& used_;
+  const BatchOptions& options_;
+  double width_;
+  UnknownLayout layout_;
+  std::vector<TargetColumns> targets_;
+  std::vector<std::optional<LookWeight>> weights_;
 };
+
+/// Solves (H + λ diag H) x = −g; columns that nothing depends on keep still.
+Eigen::VectorXd damped_step(const NormalEquations& equations, double lambda) {
+  const Eigen::VectorXd diagonal = equations.H.diagonal();
+  const Eigen::VectorXd scale =
+      diagonal.unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 1.0; });
+  Eigen::MatrixXd A = scale.asDiagonal() * equations.H * scale.asDiagonal();
+  A.diagonal().array() += lambda;
+  return -(scale.asDiagonal() * A.ldlt().solve(scale.cwiseProduct(equations.g))).eval();
+}
 
 }  // namespace
 
 Refined refine(const ChainModel& model, const std::vector<Observation>& observations, const std::vector<char>& used,
                const BatchOptions& options, double width) {
-  Refinement refinement(model, observations, used, options, width);
-  const auto summary = refinement.solve(options.max_iterations);
-  return {refinement.result(), static_cast<int>(summary.iterations.size()),
-          summary.termination_type == ceres::CONVERGENCE};
-}
-
-double jacobian_disagreement(const ChainModel& model, const std::vector<Observation>& observations,
-                             const NoiseModel& noise) {
-  PoseManifold right(StepSide::kRight), left(StepSide::kLeft);
-  ChainModel scratch = model;
-  UnknownValues values(model);
-  double worst = 0.0;
-  for (const auto& z : observations) {
-    LookCost cost(scratch, z, square_root_information(model, z, noise));
-    const auto blocks = cost.blocks(values);
-    std::vector<const ceres::Manifold*> manifolds(blocks.size(), nullptr);
-    manifolds[0] = &right;
-    manifolds[1] = &left;
-    const ceres::GradientChecker checker(&cost, &manifolds, ceres::NumericDiffOptions());
-    ceres::GradientChecker::ProbeResults results;
-    checker.Probe(blocks.data(), 1e-6, &results);
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-      const double size = std::max(results.local_numeric_jacobians[b].norm(), 1.0);
-      worst = std::max(worst, (results.local_jacobians[b] - results.local_numeric_jacobians[b]).norm() / size);
+  const Refinement problem(model, observations, used, options, width);
+  Refined result{model, 0, false};
+  if (problem.layout().columns == 0) return {model, 0, true};
+  NormalEquations equations = problem.linearise(model);
+  if (!std::isfinite(equations.cost)) return result;
+  double lambda = 1e-4, growth = 2.0;
+  while (result.iterations < options.max_iterations && !result.converged) {
+    ++result.iterations;
+    const Eigen::VectorXd x = damped_step(equations, lambda);
+    const double forecast = -x.dot(2.0 * equations.g + equations.H * x);
+    const ChainModel moved = retract(result.model, problem.layout(), x);
+    const double cost = x.allFinite() ? problem.cost(moved) : kImpossible;
+    const double gain = equations.cost - cost;
+    if (gain > 0.0) {
+      result.model = moved;
+      result.converged = gain <= 1e-13 * equations.cost;
+      equations = problem.linearise(moved);
+      const double quality = forecast > 0.0 ? gain / forecast : 1.0;
+      lambda = std::max(lambda * std::max(0.1, 1.0 - std::pow(2.0 * quality - 1.0, 3)), 1e-12);
+      growth = 2.0;
+    } else {
+      result.converged = forecast <= 1e-13 * equations.cost || lambda > 1e12;
+      lambda *= growth;
+      growth *= 2.0;
     }
   }
-  return worst;
+  return result;
 }
 
 }  // namespace armsight::host

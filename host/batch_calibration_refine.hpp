@@ -15,4 +15,8 @@ struct Refined {
 Refined refine(const ChainModel& model, const std::vector<Observation>& observations, const std::vector<char>& used,
                const BatchOptions& options, double width);
 
+/// The same by Ceres (DENSE_QR) to its tightest tolerances: for comparison.
+Refined refine_by_ceres(const ChainModel& model, const std::vector<Observation>& observations,
+                        const std::vector<char>& used, const BatchOptions& options, double width);
+
 }  // namespace armsight::host

@@ -34,6 +34,7 @@ struct CommandLine {
   int looks = 0;               ///< 0: the verb's default
   double target_sigma_mm = 0.0;
   std::string dataset;         ///< calibrate
+  std::string cost = "likelihood";  ///< calibrate --dataset: likelihood, poses, pixels or thesis
   std::string object, grasps = "host/config/grasps.yaml";
   std::vector<double> joints_rad, pose;  ///< pose: x, y, z in m, then qw, qx, qy, qz
   std::string posture;                   ///< move, park: one of the robot file's

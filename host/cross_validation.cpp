@@ -39,7 +39,7 @@ void LookErrors::add(const ChainModel& model, const Observation& z, const NoiseM
   deg.push_back(e.tail<3>().norm() / kDegree);
   const auto r = residual_only(model, z);
   if (!r) return;
-  norm.push_back((square_root_information(model, z, noise) * *r).norm() / std::sqrt(static_cast<double>(z.rows())));
+  norm.push_back(look_norm(model, z, noise));
   if (!z.has_corners()) return;
   for (Eigen::Index k = 0; k < r->size(); k += 2) px2.push_back(r->segment<2>(k).norm());
 }
@@ -84,6 +84,50 @@ std::vector<int> make_folds(std::size_t count, int folds, unsigned seed) {
 BatchSolution learn(const ChainModel& model, const std::vector<Observation>& observations,
                     const BatchOptions& options) {
   return solve_batch(closed_form_starts(model, observations), observations, options);
+}
+
+ChainModel with_mounts_of(const ChainModel& problem, const ChainModel& at) {
+  ChainModel model = problem;
+  model.T_C_a.value = at.T_C_a.value;
+  for (std::size_t t = 0; t < model.targets.size(); ++t) model.targets[t].T_b_M.value = at.targets[t].T_b_M.value;
+  return model;
+}
+
+HeldOut heldout_from(const ChainModel& start, const std::vector<Observation>& observations,
+                     const BatchOptions& options, const std::vector<Observation>& judged, const NoiseModel& judge,
+                     int folds, unsigned seed) {
+  const auto fold = make_folds(observations.size(), folds, seed);
+  HeldOut result;
+  result.norm.assign(observations.size(), 0.0);
+  for (int k = 0; k < folds; ++k) {
+    std::vector<Observation> training;
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      if (fold[i] != k) training.push_back(observations[i]);
+    }
+    if (training.empty()) continue;
+    const ChainModel model = solve_batch({start}, training, options).model;
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      if (fold[i] != k) continue;
+      const Observation& z = judged[i];
+      result.errors.add(model, z, judge);
+      // The corners of one look are wrong together: whitened, they would tell of the lens and hardly of the arm.
+      result.norm[i] = std::min(look_norm(model, z, z.has_corners() ? NoiseModel{} : judge), kFarNorm);
+    }
+  }
+  return result;
+}
+
+ErrorStatistics median_over_splits(const std::vector<ErrorStatistics>& splits) {
+  ErrorStatistics result = splits.front();
+  for (double ErrorStatistics::*field :
+       {&ErrorStatistics::rms_mm, &ErrorStatistics::median_mm, &ErrorStatistics::p95_mm, &ErrorStatistics::mean_mm,
+        &ErrorStatistics::rms_deg, &ErrorStatistics::median_deg, &ErrorStatistics::p95_deg, &ErrorStatistics::rms_px,
+        &ErrorStatistics::robust_norm}) {
+    std::vector<double> values;
+    for (const auto& s : splits) values.push_back(s.*field);
+    result.*field = quantile(values, 0.5);
+  }
+  return result;
 }
 
 ErrorStatistics cross_validate(const ChainModel& model, const std::vector<Observation>& observations,

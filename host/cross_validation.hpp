@@ -34,6 +34,22 @@ std::vector<int> make_folds(std::size_t count, int folds, unsigned seed);
 BatchSolution learn(const ChainModel& model, const std::vector<Observation>& observations,
                     const BatchOptions& options);
 
+/// `problem` with the poses of `at`, of camera and targets.
+ChainModel with_mounts_of(const ChainModel& problem, const ChainModel& at);
+
+struct HeldOut {
+  LookErrors errors;
+  std::vector<double> norm;  ///< of each look, in the looks' order: poses whitened by `judge`, corners rms in σ_px
+};
+/// Every look predicted by a model learnt without it, each fold's fit begun at `start`. `judged` are the same looks
+/// with the noise that all models to be compared are judged by.
+HeldOut heldout_from(const ChainModel& start, const std::vector<Observation>& observations,
+                     const BatchOptions& options, const std::vector<Observation>& judged, const NoiseModel& judge,
+                     int folds, unsigned seed);
+
+/// Field by field.
+ErrorStatistics median_over_splits(const std::vector<ErrorStatistics>& splits);
+
 /// Held-out errors: every look predicted by a model learnt without it (its outliers named inside each fold).
 ErrorStatistics cross_validate(const ChainModel& model, const std::vector<Observation>& observations,
                                const BatchOptions& options, int folds, unsigned seed);

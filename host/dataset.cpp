@@ -20,7 +20,8 @@ Dataset load_dataset(const std::filesystem::path& folder) {
 std::string dataset_yaml_for_robot(const RobotConfig& robot, const std::string& robot_file) {
   char noise[200];
   std::snprintf(
-      noise, sizeof noise, "{sigma_m: 0, sigma_rad: 0, encoder_sigma_rad: %.17g, floor_m: %.17g, floor_rad: %.17g}",
+      noise, sizeof noise,
+      "{known: true, sigma_m: 0, sigma_rad: 0, encoder_sigma_rad: %.17g, floor_m: %.17g, floor_rad: %.17g}",
       robot.filter.encoder_sigma_rad, robot.filter.floor_position_sigma_m, robot.filter.floor_rotation_sigma_rad);
   std::string offsets;
   for (const auto& name : robot.joint_names) offsets += (offsets.empty() ? "" : ", ") + name;
@@ -28,7 +29,8 @@ std::string dataset_yaml_for_robot(const RobotConfig& robot, const std::string& 
          "\ndataset: looks of " +
          robot.robot + "\nchains:\n  - {name: arm, robot_file: " + robot_file +
          "}\ncamera: {on: root}\ntargets:\n  - {name: \"" + std::to_string(robot.hand_marker.id) +
-         "\", on: arm, kind: pose, fixed: true}\nnoise: " + noise + "\nlearn: {offsets: [" + offsets + "]}\n";
+         "\", on: arm, kind: pose, fixed: true}\nnoise: " + noise + "\nlearn: {offsets: [" + offsets +
+         "], scale: false, links: false}\n";
 }
 
 }  // namespace armsight::host

@@ -47,8 +47,9 @@ struct Dataset {
   double max_offset_s = 0.5;
   NoiseModel noise;
   double sigma_m = 0.003, sigma_rad = 0.0087, sigma_px = 0.3;  ///< of looks that bring no covariance
-  std::vector<int> offset_joints;      ///< candidates, joints of the problem
-  bool scale_candidate = false;
+  bool noise_is_known = false;         ///< else the figures are a start, and the residuals tell
+  std::vector<int> offset_joints;      ///< whose zeros may be wrong, joints of the problem
+  bool may_learn_scale = true, may_learn_links = true, may_learn_intrinsics = true;
   int folds = 5;
 };
 

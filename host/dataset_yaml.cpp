@@ -1,5 +1,6 @@
 // dataset.yaml → camera, targets, noise, what Learn may try; its chains are dataset_chains.cpp's. host/DATASET.md.
 #include <algorithm>
+#include <cmath>
 
 #include "host/dataset_chains.hpp"
 #include "host/dataset_parts.hpp"
@@ -70,9 +71,19 @@ void read_target(const YamlValue& value, Dataset& dataset) {
   dataset.targets.push_back(kind);
 }
 
+/// The stated scatter of a pose is where the floor's search begins; nothing of it is taken for granted.
+void begin_floor_with_sigma(Dataset& dataset) {
+  NoiseModel& noise = dataset.noise;
+  noise.floor_position_sigma_m = std::hypot(noise.floor_position_sigma_m, dataset.sigma_m);
+  noise.floor_rotation_sigma_rad = std::hypot(noise.floor_rotation_sigma_rad, dataset.sigma_rad);
+  dataset.sigma_m = dataset.sigma_rad = 0.0;
+}
+
 void read_noise(const YamlValue& root, Dataset& dataset) {
   const YamlValue noise = root.optional_key("noise");
-  if (!noise.exists()) return;
+  if (!noise.exists()) return begin_floor_with_sigma(dataset);
+  const YamlValue known = noise.optional_key("known");
+  if (known.exists()) dataset.noise_is_known = known.boolean();
   const auto read = [&noise](const char* key, double max, double& value) {
     const YamlValue entry = noise.optional_key(key);
     if (entry.exists()) value = entry.number(0.0, max);
@@ -89,23 +100,36 @@ void read_noise(const YamlValue& root, Dataset& dataset) {
     noise.refuse("sigma_rad or floor_rad must be > 0");
   }
   if (dataset.sigma_px <= 0.0) noise.refuse("sigma_px must be > 0");
+  if (!dataset.noise_is_known) begin_floor_with_sigma(dataset);
+}
+
+/// Whose zeros may be wrong, in the order of the joints; without a word all of them.
+void read_offsets(const YamlValue& offsets, Dataset& dataset) {
+  const auto& joints = dataset.model.offsets;
+  if (!offsets.exists()) {
+    for (std::size_t j = 0; j < joints.size(); ++j) dataset.offset_joints.push_back(static_cast<int>(j));
+    return;
+  }
+  for (const auto& entry : offsets.list(0, 64)) {
+    const std::string name = entry.text();
+    const auto found = std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
+    if (found == joints.end()) entry.refuse("must be a joint of a chain");
+    else dataset.offset_joints.push_back(static_cast<int>(found - joints.begin()));
+  }
 }
 
 void read_learn(const YamlValue& root, Dataset& dataset) {
   const YamlValue learn = root.optional_key("learn");
-  if (!learn.exists()) return;
-  const YamlValue offsets = learn.optional_key("offsets"), scale = learn.optional_key("scale"),
-                  folds = learn.optional_key("folds");
-  if (offsets.exists()) {
-    for (const auto& entry : offsets.list(1, 64)) {
-      const std::string name = entry.text();
-      const auto& joints = dataset.model.offsets;
-      const auto found = std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
-      if (found == joints.end()) entry.refuse("must be a joint of a chain");
-      else dataset.offset_joints.push_back(static_cast<int>(found - joints.begin()));
-    }
-  }
-  if (scale.exists()) dataset.scale_candidate = scale.boolean();
+  if (!learn.exists()) return read_offsets(learn, dataset);
+  read_offsets(learn.optional_key("offsets"), dataset);
+  const auto read = [&learn](const char* key, bool& may) {
+    const YamlValue value = learn.optional_key(key);
+    if (value.exists()) may = value.boolean();
+  };
+  read("scale", dataset.may_learn_scale);
+  read("links", dataset.may_learn_links);
+  read("intrinsics", dataset.may_learn_intrinsics);
+  const YamlValue folds = learn.optional_key("folds");
   if (folds.exists()) dataset.folds = static_cast<int>(folds.integer(2, 100));
 }
 

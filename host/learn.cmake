@@ -1,8 +1,10 @@
-# Learn: the batch calibration and everything a data set needs. Ceres only in batch_calibration*.cpp.
+# Learn: the batch calibration and everything a data set needs. Ceres only in batch_calibration_c*.cpp.
 add_library(armsight_host_learn STATIC
   batch_calibration.cpp
+  batch_calibration_ceres.cpp
   batch_calibration_cost.cpp
   batch_calibration_refine.cpp
+  chain_kinematics.cpp
   chain_problem.cpp
   chain_unknowns.cpp
   closed_form_starts.cpp
@@ -16,8 +18,13 @@ add_library(armsight_host_learn STATIC
   dataset_yaml.cpp
   learn_arm.cpp
   learn_arm_verdict.cpp
+  learn_cost.cpp
   learn_dataset.cpp
   learn_dataset_report.cpp
+  look_weight.cpp
+  model_blocks.cpp
+  nested_validation.cpp
+  noise_estimate.cpp
   observability.cpp
   pinhole_projection.cpp
   robot_description.cpp

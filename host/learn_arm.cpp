@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "host/cross_validation.hpp"
 #include "host/learn_arm_verdict.hpp"
+#include "host/model_blocks.hpp"
 #include "host/observability.hpp"
 
 namespace armsight::host {
@@ -18,7 +18,8 @@ ChainModel arm_problem(const ArmModel& arm, const CalibrationOptions& options) {
   for (int j = 0; j < arm.joint_count(); ++j) {
     chain.joints.push_back(j);
     const bool is_free = options.with_offsets && j > 0;  // beta_1 is held at 0: the gauge goes to the base (§5.3)
-    model.offsets.push_back({joint_name(options, j), 0.0, is_free ? Freedom::kFree : Freedom::kFixed, 0.0, 0.0});
+    model.offsets.push_back({joint_name(options, j), 0.0, is_free ? Freedom::kPrior : Freedom::kFixed, 0.0,
+                             kOffsetPriorSigma_rad});
   }
   model.chains.push_back(chain);
   model.T_C_a.name = "the base";
@@ -39,13 +40,9 @@ std::vector<Observation> arm_observations(const std::vector<LookSample>& looks, 
     z.T_C_M = look.T_C_H;
     z.T_C_M_second = look.T_C_H_second;
     z.R_vision = look.R_vision.selfadjointView<Eigen::Upper>();  // what a saved look holds of it, to the last bit
-    if (options.cost == LearnCost::kThesis) {  // (4.6): e_O is the half angle, 1 m ≙ 2 rad; scaled to our floor
-      const double s = options.floor_position_sigma_m;
-      z.R_vision = (Vector6() << s * s, s * s, s * s, 4 * s * s, 4 * s * s, 4 * s * s).finished().asDiagonal();
-    }
     observations.push_back(z);
   }
-  return observations;
+  return observations_for(options.cost, {}, observations);
 }
 
 BatchOptions batch_options(const CalibrationOptions& options) {

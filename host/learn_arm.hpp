@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/hand_eye.hpp"
+#include "host/batch_calibration.hpp"
 
 namespace armsight::host {
 
@@ -23,13 +23,8 @@ struct LookSample {
   std::string image;                     ///< name of the saved picture, may be empty
 };
 
-enum class LearnCost {
-  kWhitened,  ///< each look by its own covariance: vision + encoders + floor (default, §5.4)
-  kThesis,    ///< (4.6) as printed: metres and half angles unweighted; for comparison
-};
-
 struct CalibrationOptions {
-  LearnCost cost = LearnCost::kWhitened;
+  LearnCost cost = LearnCost::kLikelihood;
   bool with_offsets = true;              ///< false: camera-base only, for comparison
   double encoder_sigma_rad = 0.00175;    ///< R_q of one look, per joint
   double floor_position_sigma_m = 0.001;

@@ -78,14 +78,14 @@ std::string reason_to_refuse(const std::vector<LookSample>& looks, const BatchSo
            (result.unobservable.empty() ? "" : result.unobservable.back() + "; ") +
            advice(looks, solution.used, options);
   }
-  if (options.cost == LearnCost::kWhitened && solution.misfit > options.max_misfit) {
+  if (options.cost == LearnCost::kLikelihood && solution.misfit > options.max_misfit) {
     std::snprintf(text, sizeof text,
                   "the looks contradict each other: %.1f times their expected noise remains (at most"
                   " %.1f): did the camera move, is the marker's size or place wrong?",
                   solution.misfit, options.max_misfit);
     return text;
   }
-  const bool has_sigma = options.with_offsets && options.cost == LearnCost::kWhitened;
+  const bool has_sigma = options.with_offsets && options.cost == LearnCost::kLikelihood;
   for (int j = 1; has_sigma && j < result.beta_sigma_rad.size(); ++j) {
     if (result.beta_sigma_rad[j] <= options.max_beta_sigma_rad) continue;
     std::snprintf(text, sizeof text, "the offset of %s is only known to %.1f deg (at most %.1f); ",

@@ -10,79 +10,15 @@
 namespace armsight::host {
 namespace {
 
-ChainModel with_offsets(ChainModel model, const std::vector<int>& joints) {
-  for (const int joint : joints) model.offsets[static_cast<std::size_t>(joint)].freedom = Freedom::kFree;
-  return model;
+bool is_seen(std::size_t target, const std::vector<Observation>& looks) {
+  return std::any_of(looks.begin(), looks.end(), [&](const auto& z) { return z.target == static_cast<int>(target); });
 }
 
-ChainModel with_scale(ChainModel model) {
-  for (auto& target : model.targets) target.scale.freedom = Freedom::kFree;
-  return model;
-}
-
-/// Targets nobody looked at must not stand in the problem as unknowns.
-ChainModel without_unseen_targets(ChainModel model, const std::vector<Observation>& looks) {
-  for (std::size_t t = 0; t < model.targets.size(); ++t) {
-    const bool is_seen =
-        std::any_of(looks.begin(), looks.end(), [t](const auto& z) { return z.target == static_cast<int>(t); });
-    if (!is_seen) model.targets[t].T_b_M.freedom = Freedom::kFixed;
-  }
-  return model;
-}
-
-double median_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
-ErrorStatistics median_over_seeds(const std::vector<ErrorStatistics>& each) {
-  ErrorStatistics result = each.front();
-  for (double ErrorStatistics::*field :
-       {&ErrorStatistics::rms_mm, &ErrorStatistics::median_mm, &ErrorStatistics::p95_mm, &ErrorStatistics::mean_mm,
-        &ErrorStatistics::rms_deg, &ErrorStatistics::median_deg, &ErrorStatistics::p95_deg, &ErrorStatistics::rms_px,
-        &ErrorStatistics::robust_norm}) {
-    std::vector<double> values;
-    for (const auto& s : each) values.push_back(s.*field);
-    result.*field = median_of(values);
-  }
-  return result;
-}
-
-CandidateResult try_candidate(const std::string& name, const ChainModel& problem, const std::vector<Observation>& looks,
-                              const BatchOptions& batch, const Dataset& dataset, const DatasetOptions& options,
-                              BatchSolution& solution) {
-  CandidateResult result{name, problem, unknown_layout(problem).columns, {}, {}};
-  solution = learn(problem, looks, batch);
-  result.training = evaluate(solution.model, looks, batch.noise);
-  std::vector<ErrorStatistics> seeds;
-  for (int seed = 1; seed <= options.fold_seeds; ++seed) {
-    seeds.push_back(cross_validate(problem, looks, batch, dataset.folds, static_cast<unsigned>(seed)));
-  }
-  result.heldout = median_over_seeds(seeds);
-  return result;
-}
-
-/// Null space with every candidate offset free at the mounts-only solution; `problem` comes back with those held.
-void look_for_gauges(ChainModel& problem, const BatchSolution& mounts, const std::vector<Observation>& looks,
-                     const NoiseModel& noise, DatasetCalibration& result) {
-  ChainModel at_solution = problem;
-  at_solution.T_C_a.value = mounts.model.T_C_a.value;
-  for (std::size_t t = 0; t < at_solution.targets.size(); ++t) {
-    at_solution.targets[t].T_b_M.value = mounts.model.targets[t].T_b_M.value;
-  }
-  const Observability seen = observe(at_solution, looks, mounts.used, noise);
-  result.parameters = seen.parameters;
-  result.rank = seen.rank;
-  result.unobservable = hold_unobservable_offsets(at_solution, looks, mounts.used, noise);
-  for (std::size_t j = 0; j < problem.offsets.size(); ++j) problem.offsets[j].freedom = at_solution.offsets[j].freedom;
-}
-
-void fill_sigma(const BatchSolution& solution, const NoiseModel& noise, DatasetCalibration& result) {
+void fill_sigma(const BatchSolution& solution, DatasetCalibration& result) {
   const UnknownLayout layout = unknown_layout(solution.model);
-  const Eigen::MatrixXd P = covariance_of(solution.model, solution.observations, solution.used, noise);
+  const Eigen::MatrixXd P = covariance_of(solution.model, solution.observations, solution.used, solution.noise);
   for (const auto& block : layout.blocks) {
-    if (block.size != 1) continue;
+    if (block.size != 1 || block.kind == UnknownBlock::Kind::kTime) continue;
     const bool is_offset = block.kind == UnknownBlock::Kind::kOffset;
     const auto index = static_cast<std::size_t>(block.index);
     // The noise stated may not be the noise found: σ follows the residuals' own size, as for any least-squares fit.
@@ -93,52 +29,134 @@ void fill_sigma(const BatchSolution& solution, const NoiseModel& noise, DatasetC
   }
 }
 
-}  // namespace
-
-std::size_t choose_by_heldout(const std::vector<CandidateResult>& candidates, double least_improvement) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < candidates.size(); ++i) {
-    const double wanted = candidates[best].heldout.robust_norm * (1.0 - least_improvement);
-    if (candidates[i].heldout.robust_norm < wanted) best = i;
-  }
-  return best;
-}
-
-DatasetCalibration calibrate_dataset(const Dataset& dataset, const DatasetOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+/// All that comes before the choice of blocks.
+struct Begun {
   DatasetCalibration result;
-  BatchOptions batch;
-  batch.noise = dataset.noise;
+  ChainModel mounts;
+  BatchSolution learnt;
+  BlockOptions blocks;
+};
+
+Begun begin(const Dataset& dataset, const DatasetOptions& options) {
+  Begun begun;
+  DatasetCalibration& result = begun.result;
+  const BatchOptions batch = batch_options(dataset, options.cost);
   result.left_out = dataset.left_out;
   result.looks = dataset.observations;
   if (dataset.stream) {
-    result.time_offset_s = estimate_time_offset_s(dataset, batch);
-    result.looks = looks_at_offset(dataset, *result.time_offset_s, &result.left_out);
+    const Dataset places = without_repeats(dataset);
+    const TimeOffset offset = estimate_time_offset(places, batch);
+    result.time_offset_s = offset.offset_s;
+    result.time_offset_sigma_s = offset.sigma_s;
+    result.looks = looks_at_offset(places, offset.offset_s, &result.left_out);
   }
-  const ChainModel mounts = without_unseen_targets(dataset.model, result.looks);
-  std::vector<BatchSolution> solutions(1);
-  result.candidates.push_back(
-      try_candidate("mounts only", mounts, result.looks, batch, dataset, options, solutions[0]));
-  ChainModel offsets = with_offsets(mounts, dataset.offset_joints);
-  look_for_gauges(offsets, solutions[0], result.looks, batch.noise, result);
-  const auto add = [&](const char* name, const ChainModel& problem) {
-    solutions.emplace_back();
-    result.candidates.push_back(try_candidate(name, problem, result.looks, batch, dataset, options, solutions.back()));
-  };
-  const bool has_offsets = unknown_layout(offsets).columns > unknown_layout(mounts).columns;
-  if (has_offsets) add("+ offsets", offsets);
-  if (dataset.scale_candidate) add("+ scale", with_scale(mounts));
-  if (has_offsets && dataset.scale_candidate) add("+ offsets + scale", with_scale(offsets));
+  result.looks = observations_for(options.cost, dataset.model, result.looks);
+  begun.mounts = mounts_of(dataset, result.looks);
+  begun.learnt = learn(begun.mounts, result.looks, batch);
+  begun.blocks = block_options(dataset, result.looks, options);
+  const Gauges gauges = take_out_gauges(begun.mounts, begun.learnt, begun.blocks);
+  result.parameters = gauges.parameters;
+  result.rank = gauges.rank;
+  result.unobservable = gauges.unobservable;
+  return begun;
+}
 
-  result.chosen = choose_by_heldout(result.candidates, options.least_improvement);
-  result.solution = solutions[result.chosen];
+void finish(DatasetCalibration& result) {
+  result.solution = result.chosen().solution;
   for (const auto& look : result.solution.looks) {
     const auto i = static_cast<std::size_t>(&look - result.solution.looks.data());
     if (!look.used) result.left_out.push_back({result.looks[i].label, look.reason});
   }
-  fill_sigma(result.solution, batch.noise, result);
-  result.solve_wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return result;
+  fill_sigma(result.solution, result);
+}
+
+}  // namespace
+
+ChainModel mounts_of(const Dataset& dataset, const std::vector<Observation>& looks) {
+  ChainModel model = dataset.model;
+  for (std::size_t t = 0; t < model.targets.size(); ++t) {  // nobody looked at it: no unknown
+    if (!is_seen(t, looks)) model.targets[t].T_b_M.freedom = Freedom::kFixed;
+  }
+  return model;
+}
+
+BatchOptions batch_options(const Dataset& dataset, LearnCost cost) {
+  BatchOptions batch;
+  batch.noise = dataset.noise;
+  batch.estimates_noise = !dataset.noise_is_known;
+  const bool has_corners = !dataset.observations.empty() && dataset.observations[0].has_corners();
+  if (cost != LearnCost::kThesis && (cost != LearnCost::kPixels || !has_corners)) return batch;
+  batch.noise = {};  // what the cost says, and nothing else
+  batch.estimates_noise = false;
+  batch.loss = RobustLoss::kNone;
+  return batch;
+}
+
+BlockOptions block_options(const Dataset& dataset, const std::vector<Observation>& looks,
+                           const DatasetOptions& options) {
+  BlockOptions blocks;
+  blocks.folds = dataset.folds;
+  blocks.fold_seeds = options.fold_seeds;
+  blocks.least_improvement = options.least_improvement;
+  std::vector<char> moves(dataset.model.offsets.size(), 0);
+  bool has_corners = false, has_free_target = false;
+  for (const auto& z : looks) {
+    for (const int joint : look_unknowns(dataset.model, z.target).joints) moves[static_cast<std::size_t>(joint)] = 1;
+    has_corners |= z.has_corners();
+    has_free_target |= dataset.model.targets[static_cast<std::size_t>(z.target)].T_b_M.freedom != Freedom::kFixed;
+  }
+  for (const int joint : dataset.offset_joints) {
+    if (moves[static_cast<std::size_t>(joint)]) blocks.offset_joints.push_back(joint);
+  }
+  const bool has_joints = std::count(moves.begin(), moves.end(), char{1}) > 0;
+  if (!blocks.offset_joints.empty()) blocks.allowed.push_back(ModelBlock::kOffsets);
+  if (dataset.may_learn_scale && has_free_target) blocks.allowed.push_back(ModelBlock::kScale);
+  if (dataset.may_learn_links && has_joints) blocks.allowed.push_back(ModelBlock::kLinks);
+  if (dataset.may_learn_intrinsics && has_corners) blocks.allowed.push_back(ModelBlock::kIntrinsics);
+  return blocks;
+}
+
+Gauges take_out_gauges(const ChainModel& mounts, const BatchSolution& learnt, BlockOptions& options) {
+  ChainModel all = with_mounts_of(with_blocks(mounts, {ModelBlock::kOffsets}, options), learnt.model);
+  for (auto& offset : all.offsets) {
+    if (offset.freedom == Freedom::kPrior) offset.freedom = Freedom::kFree;
+  }
+  Gauges gauges;
+  const Observability seen = observe(all, learnt.observations, learnt.used, learnt.noise);
+  gauges.parameters = seen.parameters;
+  gauges.rank = seen.rank;
+  gauges.unobservable = hold_unobservable_offsets(all, learnt.observations, learnt.used, learnt.noise);
+  std::erase_if(options.offset_joints, [&all](int joint) {
+    return all.offsets[static_cast<std::size_t>(joint)].freedom == Freedom::kFixed;
+  });
+  if (options.offset_joints.empty()) std::erase(options.allowed, ModelBlock::kOffsets);
+  return gauges;
+}
+
+DatasetCalibration calibrate_dataset(const Dataset& dataset, const DatasetOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Begun begun = begin(dataset, options);
+  begun.result.choice = choose_blocks(begun.mounts, begun.learnt, begun.result.looks,
+                                      batch_options(dataset, options.cost), begun.blocks);
+  finish(begun.result);
+  begun.result.solve_wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return begun.result;
+}
+
+DatasetCalibration learn_blocks(const Dataset& dataset, const std::vector<ModelBlock>& blocks, LearnCost cost) {
+  DatasetOptions options;
+  options.cost = cost;
+  Begun begun = begin(dataset, options);
+  BlocksTried only;
+  only.blocks = blocks;
+  only.problem = with_blocks(begun.mounts, blocks, begun.blocks);
+  only.unknowns = unknown_layout(only.problem).columns;
+  only.solution = solve_batch({with_mounts_of(only.problem, begun.learnt.model)}, begun.result.looks,
+                              batch_options(dataset, cost));
+  only.training = evaluate(only.solution.model, begun.result.looks, only.solution.noise);
+  begun.result.choice.tried.push_back(only);
+  finish(begun.result);
+  return begun.result;
 }
 
 }  // namespace armsight::host

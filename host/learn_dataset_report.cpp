@@ -61,22 +61,43 @@ void print_model(const DatasetCalibration& result, std::ostream& out) {
 
 }  // namespace
 
+std::optional<double> offsets_alone_change(const DatasetCalibration& result) {
+  const BlocksTried& mounts = result.choice.tried[0];
+  for (const auto& tried : result.choice.tried) {
+    if (name_of(tried.blocks) != "+ offsets" || tried.heldout_norm.empty()) continue;
+    return compared_norm(tried, mounts) / compared_norm(mounts, mounts) - 1.0;
+  }
+  return std::nullopt;
+}
+
+std::string offsets_alone_in_words(const DatasetCalibration& result) {
+  const auto change = offsets_alone_change(result);
+  if (!change || *change < 0.0) return {};
+  char text[200];
+  std::snprintf(text, sizeof text, "Joint offsets alone lower the error of the looks learnt from and make looks never"
+                " seen %.1f %% worse: not taken", 100.0 * *change);
+  return text;
+}
+
 void print_calibration(const Dataset& dataset, const DatasetCalibration& result, std::ostream& out) {
   out << "Data set " << dataset.name << ": " << dataset.rows << " looks read, " << result.looks.size()
       << " used for learning and testing\n";
   if (result.time_offset_s)
-    out << "Clocks: t_arm = t_look + " << std::fixed << std::setprecision(4) << *result.time_offset_s << " s\n"
+    out << "Clocks: t_arm = t_look + " << std::fixed << std::setprecision(4) << *result.time_offset_s << " s, sigma "
+        << std::setprecision(5) << result.time_offset_sigma_s << " s\n"
         << std::defaultfloat;
   out << "Left out by the chosen model: " << result.left_out.size() << '\n';
   for (const auto& look : result.left_out) out << "  " << look.label << ": " << look.reason << '\n';
   out << "Models (" << dataset.folds << "-fold over looks, outliers counted):\n";
-  for (std::size_t i = 0; i < result.candidates.size(); ++i) {
-    const CandidateResult& c = result.candidates[i];
-    out << (i == result.chosen ? "* " : "  ") << std::left << std::setw(18) << c.name << std::right << std::setw(3)
+  for (std::size_t i = 0; i < result.choice.tried.size(); ++i) {
+    const BlocksTried& c = result.choice.tried[i];
+    out << (i == result.choice.chosen ? "* " : "  ") << std::left << std::setw(18) << name_of(c.blocks)
+        << std::right << std::setw(3)
         << c.unknowns << " unknowns\n      training " << two_columns(c.training, has_pixels(result))
         << "\n      held-out " << two_columns(c.heldout, has_pixels(result)) << '\n';
   }
-  out << "Chosen by held-out error: " << result.candidates[result.chosen].name << '\n';
+  out << "Chosen by held-out error: " << name_of(result.chosen().blocks) << '\n';
+  if (!offsets_alone_in_words(result).empty()) out << offsets_alone_in_words(result) << '\n';
   out << "Observability: rank " << result.rank << " of " << result.parameters << '\n';
   for (const auto& sentence : result.unobservable) out << "  " << sentence << '\n';
   print_model(result, out);
@@ -85,15 +106,19 @@ void print_calibration(const Dataset& dataset, const DatasetCalibration& result,
 std::string calibration_json(const Dataset& dataset, const DatasetCalibration& result) {
   const ChainModel& model = result.solution.model;
   Json json{{"dataset", dataset.name}, {"rows", dataset.rows}, {"looks", result.looks.size()}};
-  if (result.time_offset_s) json["time_offset_s"] = *result.time_offset_s;
+  if (result.time_offset_s) {
+    json["time_offset_s"] = *result.time_offset_s;
+    json["time_offset_sigma_s"] = result.time_offset_sigma_s;
+  }
   json["left_out"] = Json::array();
   for (const auto& look : result.left_out) json["left_out"].push_back({{"row", look.label}, {"reason", look.reason}});
   json["candidates"] = Json::array();
-  for (const auto& c : result.candidates) {
-    json["candidates"].push_back({{"name", c.name}, {"unknowns", c.unknowns}, {"training", to_json(c.training)},
+  for (const auto& c : result.choice.tried) {
+    json["candidates"].push_back({{"name", name_of(c.blocks)}, {"unknowns", c.unknowns},
+                                  {"training", to_json(c.training)},
                                   {"heldout", to_json(c.heldout)}});
   }
-  json["chosen"] = result.candidates[result.chosen].name;
+  json["chosen"] = name_of(result.chosen().blocks);
   json["rank"] = result.rank;
   json["parameters"] = result.parameters;
   json["unobservable"] = result.unobservable;
@@ -111,14 +136,22 @@ std::string calibration_json(const Dataset& dataset, const DatasetCalibration& r
   return json.dump(2) + "\n";
 }
 
-int run_calibrate_dataset(const std::filesystem::path& folder, const std::filesystem::path& out_file,
+LearnCost learn_cost(const std::string& name) {
+  if (name == "poses") return LearnCost::kPoses;
+  if (name == "pixels") return LearnCost::kPixels;
+  return name == "thesis" ? LearnCost::kThesis : LearnCost::kLikelihood;
+}
+
+int run_calibrate_dataset(const std::filesystem::path& folder, const std::filesystem::path& out_file, LearnCost cost,
                           std::ostream& out) {
   const Dataset dataset = load_dataset(folder);
   if (dataset.observations.size() < 6) {
     out << "calibrate: " << dataset.observations.size() << " usable looks: at least 6 are needed; add looks\n";
     return 1;
   }
-  const DatasetCalibration result = calibrate_dataset(dataset, {});
+  DatasetOptions options;
+  options.cost = cost;
+  const DatasetCalibration result = calibrate_dataset(dataset, options);
   print_calibration(dataset, result, out);
   if (out_file.empty()) return 0;
   std::ofstream file(out_file);

@@ -42,6 +42,8 @@ void add_learning(CLI::App& app, CommandLine& line) {
       ->check(CLI::Range(0.0, 100.0));
   calibrate->add_option("--dataset", line.dataset, "folder with dataset.yaml and samples; needs no arm");
   calibrate->add_option("--out", line.out, "with --dataset: JSON file to write");
+  calibrate->add_option("--cost", line.cost, "with --dataset: what is made small (default likelihood)")
+      ->check(CLI::IsMember({"likelihood", "poses", "pixels", "thesis"}));
   add_motion(calibrate, line);
   CLI::App* adapt = add_verb(app, line, "adapt", "correct the model by a few looks at the hand", Verb::kAdapt);
   adapt->add_option("--looks", line.looks, "looks to make (5)")->check(CLI::Range(1, 50));

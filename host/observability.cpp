@@ -84,6 +84,11 @@ std::string part_in_words(const ChainModel& model, const UnknownBlock& block, co
   if (block.kind == Kind::kScale) {
     return std::abs(null_vector[block.column]) > 1e-4 * largest ? "the scale of " + model.targets[index].name : "";
   }
+  if (block.kind != Kind::kCamera && block.kind != Kind::kMount) {
+    if (null_vector.segment(block.column, block.size).norm() <= 1e-4 * largest) return "";
+    if (block.kind == Kind::kAxis) return "where the axis of " + model.offsets[index].name + " lies";
+    return block.kind == Kind::kTime ? "the looks' clock" : "the camera's intrinsics";
+  }
   const std::string& name = block.kind == Kind::kCamera ? model.T_C_a.name : model.targets[index].T_b_M.name;
   const Vector3 v = null_vector.segment<3>(block.column), w = null_vector.segment<3>(block.column + 3);
   if (w.norm() > 1e-4 * largest) return "a turn of " + name + " about its axis " + axis_text(w);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/chain_problem.hpp"
+#include "host/look_weight.hpp"
 
 namespace armsight::host {
 

@@ -24,6 +24,10 @@ std::optional<ProjectedPoint> project_with_jacobian(const Intrinsics& camera, co
   ProjectedPoint point;
   point.pixel << camera.fx * xd + camera.cx, camera.fy * yd + camera.cy;
   point.J = Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * distortion * perspective;
+  point.J_intrinsics.row(0) << xd, 0.0, 1.0, 0.0, camera.fx * x * r2, camera.fx * x * r2 * r2, camera.fx * 2.0 * x * y,
+      camera.fx * (r2 + 2.0 * x * x), camera.fx * x * r2 * r2 * r2;
+  point.J_intrinsics.row(1) << 0.0, yd, 0.0, 1.0, camera.fy * y * r2, camera.fy * y * r2 * r2,
+      camera.fy * (r2 + 2.0 * y * y), camera.fy * 2.0 * x * y, camera.fy * y * r2 * r2 * r2;
   return point;
 }
 

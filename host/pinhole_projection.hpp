@@ -11,6 +11,7 @@ namespace armsight::host {
 struct ProjectedPoint {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> J;  ///< ∂pixel/∂p_C
+  Eigen::Matrix<double, 2, 9> J_intrinsics;  ///< ∂pixel/∂(fx, fy, cx, cy, k1, k2, p1, p2, k3)
 };
 /// nullopt for a point that is not in front of the camera.
 std::optional<ProjectedPoint> project_with_jacobian(const Intrinsics& camera, const Vector3& p_C);

@@ -287,7 +287,7 @@ int run(const CommandLine& line) try {
     return 0;
   }
   if (line.verb == Verb::kCalibrate && !line.dataset.empty()) {
-    return run_calibrate_dataset(line.dataset, line.out, std::cout);
+    return run_calibrate_dataset(line.dataset, line.out, learn_cost(line.cost), std::cout);
   }
   if (line.verb == Verb::kStop) run_stop_verb(line);
   else run_online(line);

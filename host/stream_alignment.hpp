@@ -9,13 +9,22 @@
 
 namespace armsight::host {
 
-/// Arm posture at a time of the arm's clock: linear between stamps, slerp for given poses; false outside the stream.
+/// Arm posture at a time of the arm's clock and how fast it moves there: linear between stamps, slerp for given poses;
+/// false outside the stream.
 bool posture_at(const ArmStream& stream, double time_s, Observation& z);
 
 /// The looks of a two-stream set with the posture of their time; those outside the stream go to left_out.
 std::vector<Observation> looks_at_offset(const Dataset& dataset, double offset_s, std::vector<LeftOut>* left_out);
 
-/// Offset within ±dataset.max_offset_s, to 0.1 ms: a coarse sweep, then golden section.
-double estimate_time_offset_s(const Dataset& dataset, const BatchOptions& options);
+/// Without the looks made where the arm stood still since the last one kept: they share its errors, and a long stop
+/// must not weigh as much as many places.
+Dataset without_repeats(const Dataset& dataset);
+
+struct TimeOffset {
+  double offset_s = 0.0, sigma_s = 0.0;
+};
+/// Offset within ±dataset.max_offset_s: a coarse sweep, then an unknown of the batch solution beside the mounts.
+/// Throws ConfigError where the streams overlap too little.
+TimeOffset estimate_time_offset(const Dataset& dataset, const BatchOptions& options);
 
 }  // namespace armsight::host

@@ -132,8 +132,8 @@ TEST_F(DatasetFolder, TheVerbRunsOnLooksOfOurOwnRobotAndFindsTheOffset) {
   }
   write("samples.csv", rows.str());
   std::ostringstream out;
-  EXPECT_EQ(run_calibrate_dataset(folder_.path(), folder_.path() / "result.json", out), 0);
-  EXPECT_NE(out.str().find("offset of upper_arm_roll: +2.865 deg"), std::string::npos) << out.str();
+  EXPECT_EQ(run_calibrate_dataset(folder_.path(), folder_.path() / "result.json", LearnCost::kLikelihood, out), 0);
+  EXPECT_NE(out.str().find("offset of upper_arm_roll: +2.86"), std::string::npos) << out.str();
   EXPECT_NE(
       out.str().find("shoulder_flexion and a turn of the root seen by the camera about its axis (0.00, 0.00, 1.00)"),
       std::string::npos)

@@ -41,5 +41,5 @@ only_in() {
 }
 only_in "yaml-cpp" '#[[:space:]]*include[[:space:]]*[<"]yaml-cpp/' protocol/strict_yaml.cpp
 only_in "PF_CAN, AF_CAN" '\b[AP]F_CAN[,;]' arm_controller/socket_can.cpp
-only_in "Ceres" '#[[:space:]]*include[[:space:]]*[<"]ceres/' host/batch_calibration_cost.hpp host/batch_calibration_refine.cpp
+only_in "Ceres" '#[[:space:]]*include[[:space:]]*[<"]ceres/' host/batch_calibration_ceres.cpp host/batch_calibration_cost.hpp
 exit "$((breaches > 0))"
