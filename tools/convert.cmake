@@ -11,3 +11,11 @@ target_link_libraries(armsight_convert PUBLIC armsight_protocol PRIVATE armsight
 
 add_executable(convert_dataset convert_dataset.cpp)
 target_link_libraries(convert_dataset PRIVATE armsight_convert armsight_command_line armsight_warnings)
+
+# Learn on these sets, beside their peers' figures; a library, so that tests share it with prove_run.
+add_library(armsight_proof STATIC proof/proof_sets.cpp proof/proof_text.cpp)
+target_link_libraries(armsight_proof
+  PUBLIC armsight_core PRIVATE armsight_host_learn armsight_convert nlohmann_json::nlohmann_json armsight_warnings)
+
+add_executable(prove_run prove_run.cpp)
+target_link_libraries(prove_run PRIVATE armsight_proof armsight_command_line armsight_warnings)
