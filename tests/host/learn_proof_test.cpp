@@ -40,9 +40,12 @@ TEST(Proof, JudgesEachKindOfBar) {
   EXPECT_TRUE(row.holds());
   row.is_least = true;
   EXPECT_FALSE(row.holds());
+  row.is_least = false;
   row.is_exact = true;
   row.bar = 3.0;
   EXPECT_FALSE(row.holds());
+  row.ours = 3.2;
+  EXPECT_TRUE(row.holds());
   row.bar.reset();
   EXPECT_TRUE(row.holds());
   row.ours = std::nan("");
