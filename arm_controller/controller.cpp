@@ -14,11 +14,11 @@ Controller::Controller(const RobotConfig& robot, const StartModel& start)
       history_(seconds_to_duration(robot.controller.period_s)),
       watch_(robot.arm.joint_count(), robot.controller.still_speed_rad_s, robot.controller.still_time_s,
              robot.controller.period_s),
-      motion_(robot), contact_(robot), soft_(robot.soft), soft_arm_(robot.soft), commissioning_(robot), stiffness_(robot),
-      hand_(robot.controller.period_s), adaptation_(robot, start) {
+      motion_(robot), contact_(robot), soft_(robot.soft), stiffness_(robot), hand_(robot.controller.period_s),
+      adaptation_(robot, start) {
   output_.command.q_rad = JointVector::Zero(arm_.joint_count());
   // By a wrong sign it would push where it should carry.
-  feeds_gravity_ = commissioning_.is_done() && soft_arm_.has_masses() &&
+  feeds_gravity_ = motion_.commissioning().is_done() && soft_.arm().has_masses() &&
                    std::ranges::any_of(robot.drives, [](const DriveConfig& drive) {
                      return drive.family == DriveFamily::kDamiao;
                    });
@@ -187,10 +187,11 @@ void Controller::step_command(const JointSamples& joints, Time now) noexcept {
 // Before power comes the drives' targets are bent already: an enabled drive then stands where the link is.
 void Controller::step_soft_joints(const JointSamples& joints, bool is_driven) noexcept {
   JointCommand& command = output_.command;
-  command.torque_Nm = feeds_gravity_ ? gravity_torque(soft_arm_.chain, soft_arm_.links, soft_arm_.gravity_m_s2,
+  const SoftArm& arm = soft_.arm();
+  command.torque_Nm = feeds_gravity_ ? gravity_torque(arm.chain, arm.links, arm.gravity_m_s2,
                                                       command.q_rad + adaptation_.model().beta)
                                      : JointVector::Zero(arm_.joint_count());
-  if (!commissioning_.is_done()) {
+  if (!motion_.commissioning().is_done()) {
     command.bend_rad = JointVector::Zero(arm_.joint_count());
     return;
   }

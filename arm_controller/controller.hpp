@@ -5,7 +5,6 @@
 #include <array>
 
 #include "arm_controller/adaptation.hpp"
-#include "arm_controller/commissioning.hpp"
 #include "arm_controller/contact_watch.hpp"
 #include "arm_controller/hand.hpp"
 #include "arm_controller/joint_history.hpp"
@@ -83,8 +82,6 @@ class Controller {
   Motion motion_;
   ContactWatch contact_;
   SoftJoints soft_;
-  SoftArm soft_arm_;
-  Commissioning commissioning_;
   Stiffness stiffness_;
   bool feeds_gravity_ = false;    ///< drives that give way under it can be told
   Hand hand_;

@@ -73,10 +73,10 @@ AnswerEvent Controller::judge_goal(const Goal& goal) const noexcept {
 // One joint at a time: with two of unknown sign under way nobody could say which turned.
 AnswerEvent Controller::judge_commissioning(const Goal& goal) const noexcept {
   const bool is_for_one = goal.commission_joint >= 0;
-  if (!is_for_one && !commissioning_.is_done())
+  if (!is_for_one && !motion_.commissioning().is_done())
     return {goal.tag, Answer::kNotCommissioned, "a joint is not commissioned: host commission leads through it"};
   if (!is_for_one) return {goal.tag, Answer::kAccepted, ""};
-  if (!commissioning_.is_open(goal.commission_joint))
+  if (!motion_.commissioning().is_open(goal.commission_joint))
     return {goal.tag, Answer::kWrongState, "that joint is commissioned: it takes goals like every other"};
   if (mode_ != Mode::kHold || !motion_.is_at_rest())
     return {goal.tag, Answer::kMoving, "commissioning: one motion at a time, from standstill"};
@@ -88,7 +88,7 @@ Goal Controller::commissioning_goal(const Goal& goal) const noexcept {
   if (goal.commission_joint < 0) return out;
   out.q_real_rad = motion_.standing_rad(adaptation_.model().beta);
   out.q_real_rad[goal.commission_joint] = goal.q_real_rad[goal.commission_joint];
-  out.speed_scale = std::min(goal.speed_scale, commissioning_.speed_scale(arm_.limits, goal.commission_joint));
+  out.speed_scale = std::min(goal.speed_scale, motion_.commissioning().speed_scale(arm_.limits, goal.commission_joint));
   return out;
 }
 

@@ -42,6 +42,7 @@ class Motion {
   /// Undoes the last step_to_goal()'s set-point: a stop from there was found free.
   void step_back() noexcept { servo_ = before_; }
 
+  const Commissioning& commissioning() const noexcept { return commissioning_; }
   /// Of readings, before beta; of a joint that is not commissioned: around where it stood when power came on.
   const JointLimits& limits() const noexcept { return limits_; }
   /// Where the joints are led to now, real angles.

@@ -40,6 +40,8 @@ class SoftJoints {
   /// Equilibrium − wanted link angle, what the drives' targets are moved by; 0 for stiff joints. Inside ± the springs'
   /// max_deflection_rad.
   const JointVector& offset_rad() const { return offset_; }
+  /// As described.
+  const SoftArm& arm() const { return full_; }
   const JointVector& feed_forward_rad() const { return feed_forward_; }
   const JointVector& integral_rad() const { return integral_; }
 
