@@ -16,6 +16,21 @@ std::filesystem::path temporary_folder() {
 
 }  // namespace
 
+wire::Envelope hello_of(const RobotConfig& robot, wire::Role role) {
+  wire::Envelope envelope;
+  wire::Hello& hello = *envelope.mutable_hello();
+  hello.set_protocol_version(wire::kProtocolVersion);
+  hello.set_program("test");
+  hello.set_model_hash(model_hash(robot));
+  hello.set_role(role);
+  return envelope;
+}
+
+bool is_answer_to(std::uint64_t sequence, const wire::Envelope& e) {
+  return (e.has_accepted() && e.accepted().accepted_sequence() == sequence) ||
+         (e.has_refusal() && e.refusal().refused_sequence() == sequence);
+}
+
 LinkRig::LinkRig() : folder(temporary_folder()) {
   for (int i = 1; i <= 5; ++i) bus.drive(i).position_counts = 0.1 * i / (2.0 * std::numbers::pi) * 32768.0;
   const StartModel start = load_model_in_force(folder, robot);
@@ -56,22 +71,9 @@ std::optional<wire::Envelope> LinkRig::wait_for(Peer& peer, const std::function<
 }
 
 wire::Envelope LinkRig::answer_to(Peer& peer, std::uint64_t sequence) {
-  const auto found = wait_for(peer, [sequence](const wire::Envelope& e) {
-    return (e.has_accepted() && e.accepted().accepted_sequence() == sequence) ||
-           (e.has_refusal() && e.refusal().refused_sequence() == sequence);
-  }, 100);
+  const auto found = wait_for(peer, [sequence](const wire::Envelope& e) { return is_answer_to(sequence, e); }, 100);
   EXPECT_TRUE(found) << "no answer to " << sequence;
   return found.value_or(wire::Envelope{});
-}
-
-wire::Envelope LinkRig::hello(wire::Role role) const {
-  wire::Envelope envelope;
-  wire::Hello& hello = *envelope.mutable_hello();
-  hello.set_protocol_version(wire::kProtocolVersion);
-  hello.set_program("test");
-  hello.set_model_hash(model_hash(robot));
-  hello.set_role(role);
-  return envelope;
 }
 
 std::unique_ptr<Peer> LinkRig::commander() {

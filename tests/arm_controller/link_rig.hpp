@@ -10,9 +10,11 @@
 #include "protocol/framing.hpp"
 #include "protocol/transport/framed_stream.hpp"
 #include "tests/arm_controller/arm_rig.hpp"
-#include "tests/arm_controller/hand_clock.hpp"
+#include "tests/protocol/hand_clock.hpp"
 
 namespace armsight::arm::test {
+
+using net::test::HandClock;
 
 class Peer {
  public:
@@ -59,6 +61,10 @@ class Peer {
   std::unique_ptr<net::FramedStream> stream_;
 };
 
+wire::Envelope hello_of(const RobotConfig& robot, wire::Role role);
+/// Accepted or Refusal of that message.
+bool is_answer_to(std::uint64_t sequence, const wire::Envelope& envelope);
+
 class LinkRig {
  public:
   LinkRig();
@@ -77,7 +83,7 @@ class LinkRig {
   }
   std::unique_ptr<Peer> commander();
   std::unique_ptr<Peer> powered_commander();
-  wire::Envelope hello(wire::Role role) const;
+  wire::Envelope hello(wire::Role role) const { return hello_of(robot, role); }
 
   RobotConfig robot = nominal_robot();
   std::filesystem::path folder;

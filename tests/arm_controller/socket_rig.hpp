@@ -14,13 +14,13 @@
 #include "protocol/transport/wait.hpp"
 #include "tests/arm_controller/arm_rig.hpp"
 #include "tests/arm_controller/busy_work.hpp"
-#include "tests/arm_controller/hand_clock.hpp"
+#include "tests/protocol/hand_clock.hpp"
 
 namespace armsight::arm::test {
 
 /// Sleeps as the real one does, once a cycle at least, until the drives have answered the last one. Frames that are
 /// stamped with sync_ns (of the machine's clock) were on the bus when the last cycle began, however long that took.
-class AnsweredClock final : public HandClock {
+class AnsweredClock final : public net::test::HandClock {
  public:
   Time now() const override { return time + Duration{net::monotonic_ns() - begin_ns_}; }
   Time wait_next_cycle() override;

@@ -3,15 +3,25 @@
 #include <dlfcn.h>
 #include <pthread.h>
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-
 namespace {
 
 thread_local bool t_is_watched = false;
 thread_local armsight::arm::test::Watched t_watched;
 
+}  // namespace
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+namespace {
+
 using Lock = int (*)(pthread_mutex_t*);
 Lock g_lock = nullptr;  // of the C library; found at the first use, before the program has threads
+
+void note_request(size_t bytes) {
+  if (!t_is_watched) return;
+  ++t_watched.allocations;
+  if (bytes > t_watched.largest_bytes) t_watched.largest_bytes = bytes;
+}
 
 }  // namespace
 
@@ -23,19 +33,19 @@ void* __libc_memalign(size_t alignment, size_t size);
 void __libc_free(void* block);
 
 void* malloc(size_t size) {
-  if (t_is_watched) ++t_watched.allocations;
+  note_request(size);
   return __libc_malloc(size);
 }
 void* calloc(size_t count, size_t size) {
-  if (t_is_watched) ++t_watched.allocations;
+  note_request(count * size);
   return __libc_calloc(count, size);
 }
 void* realloc(void* old, size_t size) {
-  if (t_is_watched) ++t_watched.allocations;
+  note_request(size);
   return __libc_realloc(old, size);
 }
 void* aligned_alloc(size_t alignment, size_t size) {
-  if (t_is_watched) ++t_watched.allocations;
+  note_request(size);
   return __libc_memalign(alignment, size);
 }
 void free(void* block) {
@@ -49,6 +59,11 @@ int pthread_mutex_lock(pthread_mutex_t* mutex) {
 }
 }
 
+bool armsight::arm::test::can_watch() { return true; }
+#else
+bool armsight::arm::test::can_watch() { return false; }
+#endif
+
 namespace armsight::arm::test {
 
 void begin_watch() { t_is_watched = true; }
@@ -61,5 +76,3 @@ Watched end_watch() {
 }
 
 }  // namespace armsight::arm::test
-
-#endif

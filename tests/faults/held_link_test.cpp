@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "tests/faults/fault_rig.hpp"
+#include "tests/shared/default_arm.hpp"
 
 namespace armsight::faults {
 namespace {
@@ -105,10 +106,8 @@ TEST(HeldLink, IsNotSeenInMotionsOfAllKinds) {
   ASSERT_TRUE(rig.power_up());
   std::mt19937 random(7);
   std::uniform_real_distribution<double> u(0.0, 1.0);
-  const JointLimits& limits = rig.robot.arm.limits;
   for (int goal = 0; goal < 60; ++goal) {
-    JointVector q(kJoints);
-    for (int i = 0; i < kJoints; ++i) q[i] = limits.min_rad[i] + u(random) * (limits.max_rad[i] - limits.min_rad[i]);
+    const JointVector q = test::random_within(rig.robot.arm.limits, random);
     rig.send_goal(q, 0.1 + 0.9 * u(random));
     rig.cycles(static_cast<int>(400 * u(random)));  // mostly replaced under way
   }

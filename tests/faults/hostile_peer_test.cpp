@@ -7,7 +7,6 @@
 
 #include "protocol/descriptor.hpp"
 #include "protocol/little_endian.hpp"
-#include "tests/faults/allocation_watch.hpp"
 #include "tests/faults/linked_rig.hpp"
 #include "tools/sim/random.hpp"
 

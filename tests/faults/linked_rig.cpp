@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "shared/kinematics.hpp"
-#include "tests/faults/allocation_watch.hpp"
+#include "tests/arm_controller/watch.hpp"
 
 namespace armsight::faults {
 namespace {
@@ -41,9 +41,9 @@ void LinkedRig::before_cycle() {
   clock.time = now;
   if (cycle_++ % kBeat == 0)
     for (Peer* peer : beating) peer->send(beat());
-  AllocationWatch watch;
+  arm::test::begin_watch();
   link->step(now);
-  largest_allocation_ = std::max(largest_allocation_, watch.largest());
+  largest_allocation_ = std::max(largest_allocation_, arm::test::end_watch().largest_bytes);
 }
 
 void LinkedRig::after_cycle() {
@@ -67,22 +67,10 @@ std::optional<wire::Envelope> LinkedRig::wait_for(Peer& peer, const std::functio
 }
 
 wire::RefusalReason LinkedRig::refusal_of(Peer& peer, std::uint64_t sequence) {
-  const auto answer = wait_for(peer, [sequence](const wire::Envelope& e) {
-    return (e.has_accepted() && e.accepted().accepted_sequence() == sequence) ||
-           (e.has_refusal() && e.refusal().refused_sequence() == sequence);
-  }, 100);
+  const auto answer =
+      wait_for(peer, [sequence](const wire::Envelope& e) { return arm::test::is_answer_to(sequence, e); }, 100);
   EXPECT_TRUE(answer) << "no answer to " << sequence;
   return answer ? answer->refusal().reason() : wire::REFUSAL_REASON_UNSPECIFIED;
-}
-
-wire::Envelope LinkedRig::hello(wire::Role role) const {
-  wire::Envelope envelope;
-  wire::Hello& hello = *envelope.mutable_hello();
-  hello.set_protocol_version(wire::kProtocolVersion);
-  hello.set_program("test");
-  hello.set_model_hash(model_hash(robot));
-  hello.set_role(role);
-  return envelope;
 }
 
 std::unique_ptr<Peer> LinkedRig::connect(wire::Role role) {

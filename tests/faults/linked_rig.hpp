@@ -26,7 +26,7 @@ class LinkedRig : public FaultRig {
                                          int at_most = 1500);
   /// Refusal's reason; REFUSAL_REASON_UNSPECIFIED: it was accepted.
   wire::RefusalReason refusal_of(Peer& peer, std::uint64_t sequence);
-  wire::Envelope hello(wire::Role role) const;
+  wire::Envelope hello(wire::Role role) const { return arm::test::hello_of(robot, role); }
   static wire::Envelope joint_goal(const JointVector& q_real_rad, double speed_scale = 1.0);
   wire::Envelope pose_goal(const JointVector& q_real_rad) const;
 

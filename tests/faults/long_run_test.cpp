@@ -9,7 +9,7 @@
 
 #include "arm_controller/real_time.hpp"
 #include "protocol/transport/monotonic_clock.hpp"
-#include "tests/faults/allocation_watch.hpp"
+#include "tests/arm_controller/watch.hpp"
 #include "tests/faults/fault_rig.hpp"
 
 namespace armsight::faults {
@@ -74,11 +74,10 @@ class LongRig : public FaultRig {
   void before_cycle() override {
     if (!counted_) return;
     counted_->pump_in();
-    watch_.emplace();
+    arm::test::begin_watch();
   }
   void after_cycle() override {
-    if (watch_) allocations += watch_->count();
-    watch_.reset();
+    allocations += arm::test::end_watch().allocations;
     if (counted_) counted_->pump_out();
     FaultRig::after_cycle();
   }
@@ -98,7 +97,6 @@ class LongRig : public FaultRig {
     world->forget_trace();
   }
   std::optional<CountedBus> counted_;
-  std::optional<AllocationWatch> watch_;
   std::optional<std::uint8_t> last_counter_;
 };
 
@@ -119,7 +117,7 @@ TEST(LongRun, MissesNoSyncAsksForNoMemoryAndDoesNotGrow) {
   rig.run(cycles);
   EXPECT_EQ(rig.syncs, cycles);
   EXPECT_EQ(rig.gaps, 0U);
-  EXPECT_EQ(rig.allocations, 0U) << (AllocationWatch::sees() ? "" : "(not watched under a sanitizer)");
+  EXPECT_EQ(rig.allocations, 0U) << (arm::test::can_watch() ? "" : "(not watched under a sanitizer)");
   EXPECT_LT(resident_kib() - before, 1024) << "KiB";
   EXPECT_TRUE(rig.all_drives(DriveState::kOperationEnabled));
 }

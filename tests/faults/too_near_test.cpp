@@ -2,6 +2,7 @@
 // comes nearer than the robot file's margin.
 #include "shared/kinematics.hpp"
 #include "tests/faults/fault_rig.hpp"
+#include "tests/shared/default_arm.hpp"
 
 namespace armsight::faults {
 namespace {
@@ -68,10 +69,8 @@ TEST_F(TooNear, WhateverIsAskedForTheMarginHolds) {
   ASSERT_TRUE(rig.power_up());
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(0.0, 1.0);
-  const JointLimits& limits = rig.robot.arm.limits;
   for (int goal = 0; goal < 80; ++goal) {
-    JointVector q(kJoints);
-    for (int i = 0; i < kJoints; ++i) q[i] = limits.min_rad[i] + u(random) * (limits.max_rad[i] - limits.min_rad[i]);
+    JointVector q = test::random_within(rig.robot.arm.limits, random);
     if (goal % 2 == 0) q = kBehindTheWall + 0.4 * (q - kBehindTheWall);
     rig.send_goal(q, 0.5 + 0.5 * u(random));
     rig.cycles(100 + static_cast<int>(500 * u(random)));

@@ -8,6 +8,7 @@
 
 #include "host/camera.hpp"
 #include "protocol/config_error.hpp"
+#include "tests/protocol/hand_clock.hpp"
 #include "tools/temporary_folder.hpp"
 
 namespace armsight::host {
@@ -15,23 +16,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Time that a test hands on itself.
-class HandClock : public net::Clock {
- public:
-  Time now() const override { return now_; }
-  Time wait_next_cycle() override { return now_ += 4ms; }
-  bool is_lockstep() const override { return false; }
-  std::uint64_t missed() const override { return 0; }
-  void count_sent(net::ChannelKey) override {}
-  void count_received(net::ChannelKey) override {}
-  std::span<const Time> due(net::ChannelKey) const override { return {}; }
-  std::span<const net::ChannelKey> due_channels(net::ChannelKind) const override { return {}; }
-  std::uint32_t participant() const override { return 0; }
-  std::uint32_t arm_controller() const override { return 0; }
-
- private:
-  Time now_{1s};
-};
+net::test::HandClock cycling_clock() {
+  net::test::HandClock clock;
+  clock.period = 4ms;
+  return clock;
+}
 
 const char* const kRosYaml = R"(image_width: 320
 image_height: 240
@@ -60,7 +49,7 @@ distortion_coefficients: !!opencv-matrix
 
 struct VisionFiles : ::testing::Test {
   TemporaryFolder folder;
-  HandClock clock;
+  net::test::HandClock clock = cycling_clock();
 
   std::string write(const std::string& name, const std::string& text) {
     std::ofstream(folder.file(name)) << text;

@@ -16,14 +16,14 @@ expect() { [[ $2 =~ $3 ]] || { echo "$1 of the package: '$2', must match $3"; ex
 expect Architecture "$(dpkg-deb -f "$package" Architecture)" '^arm64$'
 expect Depends "$(dpkg-deb -f "$package" Depends)" '^libc6 \(>= [0-9.]+\)$'
 expect conffiles "$(dpkg-deb -I "$package" conffiles)" '^/etc/armsight/arm.yaml$'
-dpkg-deb -x "$package" "$work/root"
+dpkg-deb -x "$package" "$work/unpacked"
 for file in usr/bin/arm_controller etc/armsight/arm.yaml usr/share/man/man8/arm_controller.8 \
   lib/systemd/system/armsight-controller@.service lib/udev/rules.d/60-armsight-controller.rules \
   usr/lib/sysusers.d/armsight-controller.conf usr/share/armsight-controller/network/80-can0.network; do
-  [[ -s $work/root/$file ]] || { echo "the package lacks $file"; exit 1; }
+  [[ -s $work/unpacked/$file ]] || { echo "the package lacks $file"; exit 1; }
 done
 
-program=$work/root/usr/bin/arm_controller
+program=$work/unpacked/usr/bin/arm_controller
 expect Machine "$(LC_ALL=C readelf -h "$program" | sed -n 's/^ *Machine: *//p')" '^AArch64$'
 needed=$(readelf -d "$program" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | sort | tr '\n' ' ')
 expect "needed libraries" "$needed" '^(ld-linux-aarch64\.so\.1 )?libc\.so\.6 libm\.so\.6 $'
@@ -33,7 +33,7 @@ bytes=$(stat -c %s "$program")
 help=$("$@" "$program" --help) || { echo "the program does not start in $1"; exit 1; }
 expect "--help" "$help" '--require-rt'
 code=0
-said=$("$@" "$program" --config "$work/root/etc/armsight/arm.yaml" --listen 127.0.0.1:0 --state "$work/state" \
+said=$("$@" "$program" --config "$work/unpacked/etc/armsight/arm.yaml" --listen 127.0.0.1:0 --state "$work/state" \
   --bus "emulated:$work/no-bus" 2>&1) || code=$?
 [[ $code -eq 3 ]] || { echo "without a bus the program ends with $code instead of 3:"; echo "$said"; exit 1; }
 echo "$(basename "$package"): $bytes bytes of program; $(tail -n 1 <<<"$said")"

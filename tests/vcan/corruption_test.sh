@@ -4,9 +4,7 @@
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 needs_vcan
-rm -rf "$work"
-mkdir -p "$work/host"
-robot "$work/robot.yaml"
+fresh_work
 
 # Everything passes both ways; the samples of node 3 by a rule of their own.
 cangw -F

@@ -4,9 +4,7 @@
 set -uo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 needs_vcan
-rm -rf "$work"
-mkdir -p "$work/host"
-robot "$work/robot.yaml"
+fresh_work
 
 # A slow move is under way when the fault comes.
 begin_arm vcan0

@@ -22,6 +22,13 @@ robot() {
     { print }' "$source/arm_controller/config/ego_right_arm.yaml" >"$1"
 }
 
+# fresh_work: an empty work folder with the robot file.
+fresh_work() {
+  rm -rf "$work"
+  mkdir -p "$work/host"
+  robot "$work/robot.yaml"
+}
+
 # begin NAME COMMAND...: in the background, its lines in NAME.log, its number in pid[NAME]; ended at the latest with the script.
 declare -A pid=()
 begin() {

@@ -6,9 +6,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 peers=$4
 needs_vcan
 [[ -f $peers/installed ]] || skip "the peers are not installed (tests/vcan/peers/install build/peers)"
-rm -rf "$work"
-mkdir -p "$work/host"
-robot "$work/robot.yaml"
+fresh_work
 
 begin candump candump -L vcan0
 begin can_decode "$programs/can_decode" --can vcan0
